@@ -9,6 +9,8 @@
  *   bpass: 121 mul, 149 add, 12 sub, 36 neg, 161 fma, 27 sincos = 604 flops
  *   rnea is in 6 segments, each for several samples before the next; 90 values go across cuts
  *   fpass is in 7 segments, each for several samples before the next; 32 values go across cuts
+ *   With vectors of 2 numbers a sample alone runs rnea_beside: 5 segments in lanes; its last bits may not be
+ *   those of a batch. -DRNEA_NO_LANES leaves it out.
  *
  * Joints:
  *   q[0] qd[0] revolute "back_bkz", rad
@@ -58,6 +60,7 @@
  *   f                force: the link's own, then with its children's
  *   n                moment about the origin, as f
  *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._wide         the same quantity of several limbs or coordinates side by side: lanes
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
  *   across step      values that one segment leaves for another; from one of them to the next
@@ -117,6 +120,25 @@ below */
 #define RNEA_VECTORS
 #endif
 
+
+/* limbs or coordinates side by side: vectors of two numbers, where a compiler has them and the machine computes several at once */
+#if defined __GNUC__ && defined __SSE2__ && !defined RNEA_NO_LANES && !defined __CUDACC__ && !defined __NVCOMPILER
+#undef rneagen_lanes
+#undef RNEA_LANES
+#undef RNEA_SPLAT
+#undef RNEA_LANES_FMA
+#define rneagen_lanes atlas_lanes
+typedef double rneagen_lanes __attribute__((vector_size(2*sizeof(double))));
+#define RNEA_LANES(a, b) ((rneagen_lanes){a, b})
+#define RNEA_SPLAT(a) ((rneagen_lanes){a, a})
+#define RNEA_LANES_FMA(a, b, c) ((a)*(b) + (c))
+#if defined __has_builtin && !defined __clang__
+#if __has_builtin(__builtin_ia32_vfmaddpd) /* gcc from 10 on, which joins nothing by itself with -std=c11 */
+#undef RNEA_LANES_FMA
+#define RNEA_LANES_FMA(a, b, c) __builtin_ia32_vfmaddpd(a, b, c)
+#endif
+#endif
+#endif
 /* Segment 0 of 6, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_rnea_segment0(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
@@ -1655,6 +1677,1333 @@ static RNEA_INLINE int atlas_rnea_segment5(const double *first_q, const double *
 	return all_small;
 }
 
+#if defined RNEA_LANES
+/* Segment 0 of 5, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_rnea_beside_segment0(const double *first_q, const double *first_qd,
+	const double *first_qdd, double *first_tau, const size_t stride, double *const first_across,
+	rneagen_lanes *const first_wide_across, const size_t step, const size_t lanes, const int known,
+	const double *sines)
+{
+	(void)first_tau;
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const across = first_across + l;
+		rneagen_lanes *const wide_across = first_wide_across + l;
+
+		/* ---- out to link 1 "ltorso" (fpass) ---- */
+		/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);
+		   f = m a + U h;  n = I dw + w x I w + h x a */
+
+		/* ---- out to link 2 "mtorso" (fpass) ---- */
+		const double q2 = q[stride];
+		double s2, c2;
+		all_small &= rneagen_sincos_known(q2, known, sines, &s2, &c2);
+		across[0] = s2;
+		across[step] = c2;
+		const double qd1 = qd[0];
+		const double w2z = qd1*c2;
+		const double t1 = qd1*s2;
+		const double qd2 = qd[stride];
+		const double t2 = qd2*w2z;
+		const double t3 = qd2*t1;
+		const double qdd1 = qdd[0];
+		const double t4 = RNEA_FMA(qdd1, s2, t2);
+		const double dw2z = RNEA_FMA(qdd1, c2, -t3);
+		const double a2z = 9.81*c2;
+		const double t5 = w2z*w2z;
+		const double t6 = qd2*qd2;
+		const double t7 = t2 + t4;
+		const double t8 = w2z*t1;
+		const double t9 = t1*t1;
+		const double t16 = RNEA_FMA(-0.05, t6 + t9, a2z);
+		const double qdd2 = qdd[stride];
+		const double t10 = qdd2 - t8;
+		const double t11 = -RNEA_FMA(0.00014667393410483002, qdd2 + t8, RNEA_FMA(0.0013398352562209901, t4,
+			0.0006494617608214901*t2));
+		const double t12 = RNEA_FMA(0.00037360518546370006, t3 + dw2z, RNEA_FMA(-0.0007047539229190357, t8,
+			0.0012845430941234445*qdd2));
+		const double t13 = RNEA_FMA(0.00023895608229411601, t5 - t9, RNEA_FMA(-0.00014667393410483002, t2 - t4,
+			t12));
+		const double n2x = RNEA_FMA(-0.10287232465500001, c2, RNEA_FMA(0.00037360518546370006, t6 - t5,
+			RNEA_FMA(0.00023895608229411601, dw2z - t3, t11)));
+		across[2*step] = n2x;
+		const double t14 = RNEA_FMA(0.00037360518546370006, t10, RNEA_FMA(-0.00023895608229411601, t7,
+			RNEA_FMA(0.0006350813333019544, dw2z, 5.5292162097545597e-05*t3)));
+		const double t15 = 0.05*t7;
+		const double a3x = RNEA_FMA(-9.81, s2, 0.05*t10);
+		const double n2z = RNEA_FMA(-0.10287232465500001, s2, RNEA_FMA(-0.00014667393410483002, t9 - t6, t14));
+		across[3*step] = n2z;
+		const double n2y = RNEA_FMA(-0.23982823470600004, s2, 0.0639804799854*c2) + t13;
+		across[4*step] = n2y;
+
+		/* ---- out to link 3 "utorso" (fpass) ---- */
+		const double q3 = q[2*stride];
+		double s3, c3;
+		all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
+		across[5*step] = s3;
+		across[6*step] = c3;
+		const double qd3 = qd[2*stride];
+		const double w3x = qd3 - t1;
+		across[7*step] = w3x;
+		const double qdd3 = qdd[2*stride];
+		const double dw3x = qdd3 - t4;
+		across[8*step] = dw3x;
+		const double w3y = RNEA_FMA(qd2, c3, w2z*s3);
+		across[9*step] = w3y;
+		const double w3z = RNEA_FMA(s3, -qd2, w2z*c3);
+		across[10*step] = w3z;
+		const double dw3y = RNEA_FMA(qd3, w3z, RNEA_FMA(qdd2, c3, dw2z*s3));
+		across[11*step] = dw3y;
+		const double dw3z = RNEA_FMA(w3y, -qd3, RNEA_FMA(s3, -qdd2, dw2z*c3));
+		across[12*step] = dw3z;
+		const double a3y = RNEA_FMA(c3, t15, s3*t16);
+		const double a3z = RNEA_FMA(t15, -s3, c3*t16);
+		const double t17 = w3y*w3z;
+		const double t18 = w3z*w3z;
+		const double t19 = w3y*w3y;
+		const double t20 = t18 + t19;
+		const double t21 = t17 - dw3x;
+		const double t22 = dw3x + t17;
+		const double t23 = w3z*w3x;
+		const double t24 = w3x*w3x;
+		const double t25 = t18 + t24;
+		const double t26 = t23 - dw3y;
+		const double t27 = dw3y + t23;
+		const double t28 = w3y*w3x;
+		const double t29 = t19 + t24;
+		const double t30 = t28 - dw3z;
+		const double t33 = RNEA_FMA(-0.01992444846, t22, RNEA_FMA(0.014290218989999999, t30,
+			RNEA_FMA(10.46938366997,
+			dw3y, 9.21662383885*t23)));
+		const double n3y = RNEA_FMA(26.8049213, a3x, 5.2192398*a3z) + RNEA_FMA(1.73516570486, t18 - t24, t33);
+		across[13*step] = n3y;
+		const double t31 = dw3z + t28;
+		const double t34 = RNEA_FMA(-0.014290218989999999, t27, RNEA_FMA(-1.73516570486, t21,
+			RNEA_FMA(0.8997646391699999, dw3z, 0.3529951919500001*t28)));
+		const double n3z = RNEA_FMA(-0.01992444846, t24 - t19, t34) - RNEA_FMA(5.2192398, a3y, 0.1941407*a3x);
+		across[14*step] = n3z;
+		const double t32 = RNEA_FMA(1.73516570486, t31, RNEA_FMA(0.01992444846, t26, RNEA_FMA(-9.5696190308,
+			t17,
+			10.11638847802*dw3x)));
+		const double n3x = RNEA_FMA(-26.8049213, a3y, 0.1941407*a3z) + RNEA_FMA(-0.014290218989999999, t19
+			- t18, t32);
+		across[15*step] = n3x;
+		const double f3x = RNEA_FMA(84.60900000000001, a3x, RNEA_FMA(26.8049213, t27, RNEA_FMA(0.1941407, t30,
+			5.2192398*t20)));
+		across[16*step] = f3x;
+		const rneagen_lanes t42 = a3x + RNEA_LANES_FMA(RNEA_SPLAT(0.4776), RNEA_SPLAT(t27),
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.1406), RNEA_SPLAT(t20), RNEA_LANES(0.2256, -0.2256)*t30));
+		wide_across[0] = t42;
+		const double t193 = a3x + RNEA_FMA(-0.2546, t20, 0.6215*t27);
+		across[17*step] = t193;
+		const double f3y = RNEA_FMA(84.60900000000001, a3y, RNEA_FMA(26.8049213, t21, -RNEA_FMA(0.1941407, t25,
+			5.2192398*t31)));
+		across[18*step] = f3y;
+		const rneagen_lanes t43 = a3y + RNEA_LANES_FMA(RNEA_SPLAT(0.4776), RNEA_SPLAT(t21),
+			RNEA_LANES_FMA(RNEA_LANES(-0.2256, 0.2256), RNEA_SPLAT(t25), RNEA_SPLAT(0.1406*t31)));
+		wide_across[step] = t43;
+		const double a11y = a3y + RNEA_FMA(0.6215, t21, 0.2546*t31);
+		across[19*step] = a11y;
+		const double f3z = RNEA_FMA(84.60900000000001, a3z, RNEA_FMA(-26.8049213, t29, RNEA_FMA(-5.2192398, t26,
+			0.1941407*t22)));
+		across[20*step] = f3z;
+		const rneagen_lanes a4z_wide = a3z + RNEA_LANES_FMA(RNEA_SPLAT(-0.4776), RNEA_SPLAT(t29),
+			RNEA_LANES_FMA(RNEA_LANES(0.2256, -0.2256), RNEA_SPLAT(t22), RNEA_SPLAT(0.1406*t26)));
+		wide_across[2*step] = a4z_wide;
+		const double t194 = a3z + RNEA_FMA(-0.6215, t29, 0.2546*t26);
+		across[21*step] = t194;
+	}
+	return all_small;
+}
+
+/* Segment 1 of 5, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_rnea_beside_segment1(const double *first_q, const double *first_qd,
+	const double *first_qdd, double *first_tau, const size_t stride, double *const first_across,
+	rneagen_lanes *const first_wide_across, const size_t step, const size_t lanes, const int known,
+	const double *sines)
+{
+	(void)first_tau;
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const across = first_across + l;
+		rneagen_lanes *const wide_across = first_wide_across + l;
+
+		/* ---- out to link 4 "l_clav" (fpass) ---- */
+		const double q4 = q[3*stride];
+		double s4, c4;
+		all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
+		const double q12 = q[11*stride];
+		double s12, c12;
+		all_small &= rneagen_sincos_known(q12, known, sines + 20, &s12, &c12);
+		const rneagen_lanes t36 = RNEA_LANES(c4, c12);
+		wide_across[3*step] = t36;
+		const rneagen_lanes t35 = RNEA_LANES(s4, s12);
+		wide_across[4*step] = t35;
+		const double qd4 = qd[3*stride];
+		const double qd12 = qd[11*stride];
+		const rneagen_lanes t37 = RNEA_LANES(qd4, qd12);
+		const double dw3z = across[12*step];
+		const double qdd4 = qdd[3*stride];
+		const double qdd12 = qdd[11*stride];
+		const rneagen_lanes dw4z_wide = dw3z + RNEA_LANES(qdd4, qdd12);
+		const double w3y = across[9*step];
+		const double w3x = across[7*step];
+		const rneagen_lanes t38 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), RNEA_SPLAT(w3y),
+			RNEA_SPLAT(-w3x));
+		const rneagen_lanes t39 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), RNEA_SPLAT(w3x),
+			RNEA_SPLAT(-w3y));
+		const double dw3y = across[11*step];
+		const double dw3x = across[8*step];
+		const rneagen_lanes t40 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), RNEA_SPLAT(dw3y),
+			RNEA_SPLAT(-dw3x));
+		const rneagen_lanes t41 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), RNEA_SPLAT(dw3x),
+			RNEA_SPLAT(-dw3y));
+		const rneagen_lanes t43 = wide_across[step];
+		const rneagen_lanes t42 = wide_across[0];
+		const rneagen_lanes t44 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t43, -t42);
+		const rneagen_lanes t45 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t42, -t43);
+		const rneagen_lanes w4x_wide = RNEA_LANES_FMA(t36, t38, t35*t39);
+		const rneagen_lanes w4y_wide = RNEA_LANES_FMA(t38, -t35, t36*t39);
+		const double w3z = across[10*step];
+		const rneagen_lanes w4z_wide = w3z + t37;
+		const rneagen_lanes dw4x_wide = RNEA_LANES_FMA(t37, w4y_wide, RNEA_LANES_FMA(t36, t40, t35*t41));
+		const rneagen_lanes dw4y_wide = RNEA_LANES_FMA(w4x_wide, -t37, RNEA_LANES_FMA(t40, -t35, t36*t41));
+		const rneagen_lanes a4x_wide = RNEA_LANES_FMA(t36, t44, t35*t45);
+		const rneagen_lanes a4y_wide = RNEA_LANES_FMA(t44, -t35, t36*t45);
+		const rneagen_lanes t46 = w4y_wide*w4z_wide;
+		const rneagen_lanes t47 = w4z_wide*w4z_wide;
+		const rneagen_lanes t48 = w4y_wide*w4y_wide;
+		const rneagen_lanes t49 = t46 - dw4x_wide;
+		const rneagen_lanes t50 = w4x_wide*w4z_wide;
+		const rneagen_lanes t51 = w4x_wide*w4x_wide;
+		const rneagen_lanes t52 = dw4y_wide + t50;
+		const rneagen_lanes t53 = w4x_wide*w4y_wide;
+		const rneagen_lanes t54 = t48 + t51;
+		const rneagen_lanes t61 = a4y_wide - RNEA_LANES_FMA(RNEA_SPLAT(0.245), t49, RNEA_LANES(-0.11, 0.11)*(t47
+			+ t51));
+		const rneagen_lanes n4x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.37514400000000003), a4y_wide,
+			RNEA_LANES_FMA(RNEA_LANES(0.004, -0.004), t48 - t47,
+				RNEA_LANES_FMA(RNEA_SPLAT(-0.03651209600000001),
+			t46, 0.042512096000000006*dw4x_wide)));
+		wide_across[5*step] = n4x_wide;
+		const rneagen_lanes a4z_wide = wide_across[2*step];
+		const rneagen_lanes t62 = a4z_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.245), t54, RNEA_LANES(-0.11,
+			0.11)*(dw4x_wide
+			+ t46));
+		const rneagen_lanes f4z_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.466), a4z_wide, 0.37514400000000003*t54);
+		wide_across[6*step] = f4z_wide;
+		const rneagen_lanes f4y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.37514400000000003), t49, 4.466*a4y_wide);
+		wide_across[7*step] = f4y_wide;
+		const rneagen_lanes t55 = t53 - dw4z_wide;
+		const rneagen_lanes n4z_wide = RNEA_LANES_FMA(RNEA_LANES(0.004, -0.004), t52,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.002),
+			t53, 0.004*dw4z_wide));
+		wide_across[8*step] = n4z_wide;
+		const rneagen_lanes n4y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.37514400000000003), a4x_wide,
+			RNEA_LANES_FMA(RNEA_LANES(-0.004, 0.004), t55, RNEA_LANES_FMA(RNEA_SPLAT(0.040512096000000004),
+			dw4y_wide, 0.038512096*t50)));
+		wide_across[9*step] = n4y_wide;
+		const rneagen_lanes a5x_wide = a4x_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.245), t52, RNEA_LANES(-0.11,
+			0.11)*t55);
+		wide_across[10*step] = a5x_wide;
+		const rneagen_lanes f4x_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.37514400000000003), t52, 4.466*a4x_wide);
+		wide_across[11*step] = f4x_wide;
+
+		/* ---- out to link 5 "l_scap" (fpass) ---- */
+		const double q5 = q[4*stride];
+		double t56, c5;
+		all_small &= rneagen_sincos_known(q5, known, sines + 6, &t56, &c5);
+		const double q13 = q[12*stride];
+		double t57, c13;
+		all_small &= rneagen_sincos_known(q13, known, sines + 22, &t57, &c13);
+		const rneagen_lanes t59 = RNEA_LANES(c5, c13);
+		wide_across[12*step] = t59;
+		const rneagen_lanes t58 = RNEA_LANES(t56, t57);
+		wide_across[13*step] = t58;
+		const double qd5 = qd[4*stride];
+		const double qd13 = qd[12*stride];
+		const rneagen_lanes t60 = RNEA_LANES(qd5, qd13);
+		const rneagen_lanes w5x_wide = w4x_wide - t60;
+		const double qdd5 = qdd[4*stride];
+		const double qdd13 = qdd[12*stride];
+		const rneagen_lanes dw5x_wide = dw4x_wide - RNEA_LANES(qdd5, qdd13);
+		wide_across[14*step] = dw5x_wide;
+		const rneagen_lanes w5y_wide = RNEA_LANES_FMA(t58, -w4z_wide, w4y_wide*t59);
+		const rneagen_lanes w5z_wide = RNEA_LANES_FMA(w4y_wide, t58, w4z_wide*t59);
+		const rneagen_lanes dw5y_wide = RNEA_LANES_FMA(w5z_wide, -t60, RNEA_LANES_FMA(t58, -dw4z_wide,
+			dw4y_wide*t59));
+		const rneagen_lanes dw5z_wide = RNEA_LANES_FMA(t60, w5y_wide, RNEA_LANES_FMA(dw4y_wide, t58,
+			dw4z_wide*t59));
+		const rneagen_lanes a5y_wide = RNEA_LANES_FMA(t62, -t58, t59*t61);
+		wide_across[15*step] = a5y_wide;
+		const rneagen_lanes a5z_wide = RNEA_LANES_FMA(t58, t61, t59*t62);
+		wide_across[16*step] = a5z_wide;
+		const rneagen_lanes t63 = w5y_wide*w5z_wide;
+		const rneagen_lanes t64 = w5z_wide*w5x_wide;
+		const rneagen_lanes t65 = w5x_wide*w5x_wide;
+		const rneagen_lanes t66 = w5y_wide*w5x_wide;
+		const rneagen_lanes n5y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.00264), t64, 0.00583*dw5y_wide);
+		wide_across[17*step] = n5y_wide;
+		const rneagen_lanes t72 = a5x_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.016), dw5y_wide + t64,
+			RNEA_LANES(-0.187,
+			0.187)*(t66 - dw5z_wide));
+		const rneagen_lanes n5z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00583), dw5z_wide, 0.00264*t66);
+		wide_across[18*step] = n5z_wide;
+
+		/* ---- out to link 6 "l_uarm" (fpass) ---- */
+		const double q6 = q[5*stride];
+		double t67, c6;
+		all_small &= rneagen_sincos_known(q6, known, sines + 8, &t67, &c6);
+		const double q14 = q[13*stride];
+		double t68, c14;
+		all_small &= rneagen_sincos_known(q14, known, sines + 24, &t68, &c14);
+		const rneagen_lanes t70 = RNEA_LANES(c6, c14);
+		wide_across[19*step] = t70;
+		const rneagen_lanes t69 = RNEA_LANES(t67, t68);
+		wide_across[20*step] = t69;
+		const double qd6 = qd[5*stride];
+		const double qd14 = qd[13*stride];
+		const rneagen_lanes t71 = RNEA_LANES(qd6, qd14);
+		const double qdd6 = qdd[5*stride];
+		const double qdd14 = qdd[13*stride];
+		const rneagen_lanes dw6y_wide = dw5y_wide - RNEA_LANES(qdd6, qdd14);
+		wide_across[21*step] = dw6y_wide;
+		const rneagen_lanes a6y_wide = a5y_wide - RNEA_LANES_FMA(RNEA_SPLAT(0.016), t63 - dw5x_wide,
+			RNEA_LANES(-0.187,
+			0.187)*RNEA_LANES_FMA(w5z_wide, w5z_wide, t65));
+		const rneagen_lanes t73 = a5z_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.016), RNEA_LANES_FMA(w5y_wide,
+			w5y_wide, t65),
+			RNEA_LANES(-0.187, 0.187)*(dw5x_wide + t63));
+		const rneagen_lanes w6y_wide = w5y_wide - t71;
+		const rneagen_lanes w6z_wide = RNEA_LANES_FMA(t69, -w5x_wide, w5z_wide*t70);
+		const rneagen_lanes w6x_wide = RNEA_LANES_FMA(w5z_wide, t69, w5x_wide*t70);
+		const rneagen_lanes dw6x_wide = RNEA_LANES_FMA(t71, w6z_wide, RNEA_LANES_FMA(dw5z_wide, t69,
+			dw5x_wide*t70));
+		const rneagen_lanes dw6z_wide = RNEA_LANES_FMA(w6x_wide, -t71, RNEA_LANES_FMA(t69, -dw5x_wide,
+			dw5z_wide*t70));
+		wide_across[22*step] = dw6z_wide;
+		const rneagen_lanes a6z_wide = RNEA_LANES_FMA(t72, -t69, t70*t73);
+		const rneagen_lanes a6x_wide = RNEA_LANES_FMA(t69, t73, t70*t72);
+		const rneagen_lanes t74 = w6z_wide*w6y_wide;
+		const rneagen_lanes t75 = dw6x_wide + t74;
+		const rneagen_lanes t76 = w6x_wide*w6x_wide;
+		const rneagen_lanes t77 = RNEA_LANES_FMA(w6z_wide, w6z_wide, t76);
+		const rneagen_lanes t86 = a6z_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.0092), RNEA_LANES_FMA(w6y_wide,
+			w6y_wide,
+			t76), RNEA_LANES(-0.119, 0.119)*t75);
+		wide_across[23*step] = t86;
+		const rneagen_lanes f6z_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.386), a6z_wide, RNEA_LANES(0.28509,
+			-0.28509)*t75);
+		wide_across[24*step] = f6z_wide;
+		const rneagen_lanes n6x_wide = RNEA_LANES_FMA(RNEA_LANES(0.28509, -0.28509), a6z_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.02509085), dw6x_wide, 0.02151085*t74));
+		wide_across[25*step] = n6x_wide;
+		const rneagen_lanes t85 = a6y_wide + RNEA_LANES_FMA(RNEA_LANES(0.119, -0.119), t77, 0.0092*(t74
+			- dw6x_wide));
+		wide_across[26*step] = t85;
+		const rneagen_lanes f6y_wide = RNEA_LANES_FMA(RNEA_LANES(-0.28509, 0.28509), t77, 4.386*a6y_wide);
+		wide_across[27*step] = f6y_wide;
+		const rneagen_lanes t78 = w6x_wide*w6y_wide;
+		const rneagen_lanes t79 = t78 - dw6z_wide;
+		const rneagen_lanes n6z_wide = RNEA_LANES_FMA(RNEA_LANES(-0.28509, 0.28509), a6x_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.02151085), t78, 0.02509085*dw6z_wide));
+		wide_across[28*step] = n6z_wide;
+		const rneagen_lanes f6x_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.386), a6x_wide, RNEA_LANES(0.28509,
+			-0.28509)*t79);
+		wide_across[29*step] = f6x_wide;
+		const rneagen_lanes a7x_wide = a6x_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.0092), RNEA_LANES_FMA(w6z_wide,
+			w6x_wide,
+			dw6y_wide), RNEA_LANES(-0.119, 0.119)*t79);
+		wide_across[30*step] = a7x_wide;
+
+		/* ---- out to link 7 "l_larm" (fpass) ---- */
+		const double q7 = q[6*stride];
+		double t80, c7;
+		all_small &= rneagen_sincos_known(q7, known, sines + 10, &t80, &c7);
+		const double q15 = q[14*stride];
+		double t81, c15;
+		all_small &= rneagen_sincos_known(q15, known, sines + 26, &t81, &c15);
+		const rneagen_lanes t83 = RNEA_LANES(c7, c15);
+		wide_across[31*step] = t83;
+		const rneagen_lanes t82 = RNEA_LANES(t80, t81);
+		wide_across[32*step] = t82;
+		const double qd7 = qd[6*stride];
+		const double qd15 = qd[14*stride];
+		const rneagen_lanes t84 = RNEA_LANES(qd7, qd15);
+		wide_across[33*step] = t84;
+		const rneagen_lanes w7x_wide = w6x_wide - t84;
+		wide_across[34*step] = w7x_wide;
+		const double qdd7 = qdd[6*stride];
+		const double qdd15 = qdd[14*stride];
+		const rneagen_lanes dw7x_wide = dw6x_wide - RNEA_LANES(qdd7, qdd15);
+		wide_across[35*step] = dw7x_wide;
+		const rneagen_lanes w7y_wide = RNEA_LANES_FMA(t82, -w6z_wide, w6y_wide*t83);
+		wide_across[36*step] = w7y_wide;
+		const rneagen_lanes w7z_wide = RNEA_LANES_FMA(w6y_wide, t82, w6z_wide*t83);
+		wide_across[37*step] = w7z_wide;
+	}
+	return all_small;
+}
+
+/* Segment 2 of 5, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_rnea_beside_segment2(const double *first_q, const double *first_qd,
+	const double *first_qdd, double *first_tau, const size_t stride, double *const first_across,
+	rneagen_lanes *const first_wide_across, const size_t step, const size_t lanes, const int known,
+	const double *sines)
+{
+	(void)first_across;
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const tau = first_tau + l;
+		rneagen_lanes *const wide_across = first_wide_across + l;
+		const rneagen_lanes w7z_wide = wide_across[37*step];
+		const rneagen_lanes t84 = wide_across[33*step];
+		const rneagen_lanes t82 = wide_across[32*step];
+		const rneagen_lanes dw6z_wide = wide_across[22*step];
+		const rneagen_lanes dw6y_wide = wide_across[21*step];
+		const rneagen_lanes t83 = wide_across[31*step];
+		const rneagen_lanes dw7y_wide = RNEA_LANES_FMA(w7z_wide, -t84, RNEA_LANES_FMA(t82, -dw6z_wide,
+			dw6y_wide*t83));
+		const rneagen_lanes w7y_wide = wide_across[36*step];
+		const rneagen_lanes dw7z_wide = RNEA_LANES_FMA(t84, w7y_wide, RNEA_LANES_FMA(dw6y_wide, t82,
+			dw6z_wide*t83));
+		const rneagen_lanes t86 = wide_across[23*step];
+		const rneagen_lanes t85 = wide_across[26*step];
+		const rneagen_lanes a7y_wide = RNEA_LANES_FMA(t86, -t82, t83*t85);
+		const rneagen_lanes a7z_wide = RNEA_LANES_FMA(t82, t85, t83*t86);
+		wide_across[0] = a7z_wide;
+		const rneagen_lanes t87 = w7y_wide*w7z_wide;
+		const rneagen_lanes w7x_wide = wide_across[34*step];
+		const rneagen_lanes t88 = w7z_wide*w7x_wide;
+		const rneagen_lanes t89 = w7x_wide*w7x_wide;
+		const rneagen_lanes t90 = w7y_wide*w7x_wide;
+		const rneagen_lanes n7y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.0018100000000000004), t88,
+			0.00446*dw7y_wide);
+		wide_across[step] = n7y_wide;
+		const rneagen_lanes a7x_wide = wide_across[30*step];
+		const rneagen_lanes t100 = a7x_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.00921), dw7y_wide + t88,
+			RNEA_LANES(-0.29955,
+			0.29955)*(t90 - dw7z_wide));
+		const rneagen_lanes n7z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00446), dw7z_wide,
+			0.0018100000000000004*t90);
+		wide_across[2*step] = n7z_wide;
+
+		/* ---- out to link 8 "l_ufarm" (fpass) ---- */
+		const double q8 = q[7*stride];
+		double t91, c8;
+		all_small &= rneagen_sincos_known(q8, known, sines + 12, &t91, &c8);
+		const double q16 = q[15*stride];
+		double t92, c16;
+		all_small &= rneagen_sincos_known(q16, known, sines + 28, &t92, &c16);
+		const rneagen_lanes t94 = RNEA_LANES(c8, c16);
+		const rneagen_lanes t93 = RNEA_LANES(t91, t92);
+		const double qd8 = qd[7*stride];
+		const double qd16 = qd[15*stride];
+		const rneagen_lanes t95 = RNEA_LANES(qd8, qd16);
+		const double qdd8 = qdd[7*stride];
+		const double qdd16 = qdd[15*stride];
+		const rneagen_lanes dw8y_wide = dw7y_wide - RNEA_LANES(qdd8, qdd16);
+		const rneagen_lanes t96 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), w7z_wide, -w7x_wide);
+		const rneagen_lanes t97 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), w7x_wide, -w7z_wide);
+		const rneagen_lanes dw7x_wide = wide_across[35*step];
+		const rneagen_lanes a8y_wide = a7y_wide - RNEA_LANES_FMA(RNEA_SPLAT(0.00921), t87 - dw7x_wide,
+			RNEA_LANES(-0.29955, 0.29955)*RNEA_LANES_FMA(w7z_wide, w7z_wide, t89));
+		const rneagen_lanes t101 = a7z_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.00921), RNEA_LANES_FMA(w7y_wide,
+			w7y_wide,
+			t89), RNEA_LANES(-0.29955, 0.29955)*(dw7x_wide + t87));
+		const rneagen_lanes w8y_wide = w7y_wide - t95;
+		const rneagen_lanes t98 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), dw7z_wide,
+			-dw7x_wide);
+		const rneagen_lanes t99 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), dw7x_wide,
+			-dw7z_wide);
+		const rneagen_lanes t102 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t101, -t100);
+		const rneagen_lanes t103 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t100, -t101);
+		const rneagen_lanes w8z_wide = RNEA_LANES_FMA(t96, -t93, t94*t97);
+		const rneagen_lanes w8x_wide = RNEA_LANES_FMA(t93, t97, t94*t96);
+		const rneagen_lanes dw8x_wide = RNEA_LANES_FMA(t95, w8z_wide, RNEA_LANES_FMA(t93, t99, t94*t98));
+		const rneagen_lanes dw8z_wide = RNEA_LANES_FMA(w8x_wide, -t95, RNEA_LANES_FMA(t98, -t93, t94*t99));
+		const rneagen_lanes a8z_wide = RNEA_LANES_FMA(t102, -t93, t94*t103);
+		const rneagen_lanes a8x_wide = RNEA_LANES_FMA(t93, t103, t94*t102);
+		const rneagen_lanes t104 = w8z_wide*w8y_wide;
+		const rneagen_lanes t105 = w8z_wide*w8z_wide;
+		const rneagen_lanes t106 = w8y_wide*w8y_wide;
+		const rneagen_lanes t107 = t104 - dw8x_wide;
+		const rneagen_lanes t108 = dw8x_wide + t104;
+		const rneagen_lanes t109 = w8z_wide*w8x_wide;
+		const rneagen_lanes t123 = RNEA_LANES(1.0, -1.0)*w8z_wide;
+		const rneagen_lanes t110 = w8x_wide*w8x_wide;
+		const rneagen_lanes t111 = t109 - dw8y_wide;
+		const rneagen_lanes t112 = dw8y_wide + t109;
+		const rneagen_lanes t113 = w8x_wide*w8y_wide;
+		const rneagen_lanes t122 = RNEA_LANES(1.0, -1.0)*w8y_wide;
+		const rneagen_lanes t114 = t113 - dw8z_wide;
+		const rneagen_lanes t117 = RNEA_LANES_FMA(RNEA_LANES(-3.08586312e-05, 3.08586312e-05), t108,
+			RNEA_LANES_FMA(RNEA_SPLAT(7.611795696e-05), t114, RNEA_LANES_FMA(RNEA_SPLAT(0.00285739528012),
+			dw8y_wide, 0.000783283689119999*t109)));
+		const rneagen_lanes t124 = RNEA_LANES(1.0, -1.0)*dw8y_wide;
+		const rneagen_lanes f8x_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.4798), a8x_wide,
+			RNEA_LANES_FMA(RNEA_LANES(0.000917526, -0.000917526), t112,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.00037196999999999995), t105 + t106, RNEA_LANES(0.20572420800000002,
+			-0.20572420800000002)*t114)));
+		const rneagen_lanes t118 = RNEA_LANES_FMA(RNEA_SPLAT(-7.611795696e-05), t112,
+			RNEA_LANES_FMA(RNEA_LANES(1.3762889999999998e-07, -1.3762889999999998e-07), t107,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.02694082450018), t113, 0.029014936091180003*dw8z_wide)));
+		const rneagen_lanes t115 = dw8z_wide + t113;
+		const rneagen_lanes t125 = RNEA_LANES(1.0, -1.0)*dw8z_wide;
+		const rneagen_lanes t116 = RNEA_LANES_FMA(RNEA_LANES(-1.3762889999999998e-07, 1.3762889999999998e-07),
+			t115,
+			RNEA_LANES_FMA(RNEA_LANES(3.08586312e-05, -3.08586312e-05), t111,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.029798219780300002), dw8x_wide, 0.026157540811060004*t104)));
+		const rneagen_lanes f8z_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.4798), a8z_wide,
+			RNEA_LANES_FMA(RNEA_LANES(-0.000917526, 0.000917526), t106 + t110,
+			RNEA_LANES_FMA(RNEA_LANES(0.20572420800000002, -0.20572420800000002), t108,
+			0.00037196999999999995*t111)));
+		const rneagen_lanes f8y_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.4798), a8y_wide,
+			RNEA_LANES_FMA(RNEA_LANES(0.000917526, -0.000917526), t107,
+			RNEA_LANES_FMA(RNEA_LANES(-0.20572420800000002, 0.20572420800000002), t105 + t110,
+			0.00037196999999999995*t115)));
+		const rneagen_lanes n8x_wide = RNEA_LANES_FMA(RNEA_LANES(-0.000917526, 0.000917526), a8y_wide,
+			RNEA_LANES(0.20572420800000002, -0.20572420800000002)*a8z_wide)
+			+ RNEA_LANES_FMA(RNEA_SPLAT(-7.611795696e-05), t106 - t105, t116);
+		const rneagen_lanes n8y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.00037196999999999995), a8z_wide,
+			RNEA_LANES(0.000917526, -0.000917526)*a8x_wide)
+				+ RNEA_LANES_FMA(RNEA_LANES(-1.3762889999999998e-07,
+			1.3762889999999998e-07), t105 - t110, t117);
+		const rneagen_lanes n8z_wide = RNEA_LANES_FMA(RNEA_LANES(-0.20572420800000002, 0.20572420800000002),
+			a8x_wide,
+			0.00037196999999999995*a8y_wide) + RNEA_LANES_FMA(RNEA_LANES(-3.08586312e-05, 3.08586312e-05),
+				t110
+			- t106, t118);
+		const rneagen_lanes t126 = RNEA_LANES(1.0, -1.0)*a8y_wide;
+		const rneagen_lanes t127 = RNEA_LANES(1.0, -1.0)*a8z_wide;
+
+		/* ---- out to link 9 "l_lfarm" (fpass) ---- */
+		const double q9 = q[8*stride];
+		double s9, c9;
+		all_small &= rneagen_sincos_known(q9, known, sines + 14, &s9, &c9);
+		const double q17 = q[16*stride];
+		double s17, c17;
+		all_small &= rneagen_sincos_known(q17, known, sines + 30, &s17, &c17);
+		const rneagen_lanes t120 = RNEA_LANES(c9, c17);
+		const rneagen_lanes t119 = RNEA_LANES(s9, s17);
+		const double qd9 = qd[8*stride];
+		const double qd17 = qd[16*stride];
+		const rneagen_lanes t121 = RNEA_LANES(qd9, qd17);
+		const rneagen_lanes w9x_wide = w8x_wide + t121;
+		const double qdd9 = qdd[8*stride];
+		const double qdd17 = qdd[16*stride];
+		const rneagen_lanes dw9x_wide = dw8x_wide + RNEA_LANES(qdd9, qdd17);
+		const rneagen_lanes w9y_wide = RNEA_LANES_FMA(t120, t122, t119*t123);
+		const rneagen_lanes w9z_wide = RNEA_LANES_FMA(t122, -t119, t120*t123);
+		const rneagen_lanes dw9y_wide = RNEA_LANES_FMA(t121, w9z_wide, RNEA_LANES_FMA(t120, t124, t119*t125));
+		const rneagen_lanes dw9z_wide = RNEA_LANES_FMA(w9y_wide, -t121, RNEA_LANES_FMA(t124, -t119, t120*t125));
+		const rneagen_lanes a9y_wide = RNEA_LANES_FMA(t120, t126, t119*t127);
+		const rneagen_lanes a9z_wide = RNEA_LANES_FMA(t126, -t119, t120*t127);
+		const rneagen_lanes t128 = w9y_wide*w9z_wide;
+		const rneagen_lanes t129 = w9z_wide*w9z_wide;
+		const rneagen_lanes t130 = w9y_wide*w9y_wide;
+		const rneagen_lanes t131 = w9z_wide*w9x_wide;
+		const rneagen_lanes t132 = w9x_wide*w9x_wide;
+		const rneagen_lanes t133 = w9y_wide*w9x_wide;
+		const rneagen_lanes t134 = -RNEA_LANES_FMA(RNEA_SPLAT(0.02515), t133 - dw9z_wide, 0.00017*(t129
+			+ t130));
+		const rneagen_lanes t135 = RNEA_LANES_FMA(RNEA_SPLAT(0.02515), t129 + t132, 0.00017*(dw9z_wide + t133));
+		const rneagen_lanes t138 = a9y_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.00163), t128 - dw9x_wide, t135);
+		const rneagen_lanes t137 = a8x_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.00163), dw9y_wide + t131, t134);
+		const rneagen_lanes n9z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00011016000000000002), t138, 0.0162972*t137)
+			+ RNEA_LANES_FMA(RNEA_SPLAT(-0.000335), t133, 0.000825*dw9z_wide);
+		const rneagen_lanes t136 = RNEA_LANES_FMA(RNEA_SPLAT(-0.02515), dw9x_wide + t128, 0.00017*(t131
+			- dw9y_wide));
+		const rneagen_lanes t139 = a9z_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.00163), t130 + t132, t136);
+		const rneagen_lanes n9y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.00011016000000000002), t139,
+			0.00105624*t137)
+			+ RNEA_LANES_FMA(RNEA_SPLAT(-6.0999999999999965e-05), t131, 0.000429*dw9y_wide);
+		const rneagen_lanes n9x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.000764), dw9x_wide, 0.000396*t128)
+			- RNEA_LANES_FMA(RNEA_SPLAT(0.0162972), t139, 0.00105624*t138);
+		const rneagen_lanes f9y_wide = 0.648*t138;
+
+		/* ---- out to link 10 "l_hand" (fpass) ---- */
+		const double q10 = q[9*stride];
+		double t140, c10;
+		all_small &= rneagen_sincos_known(q10, known, sines + 16, &t140, &c10);
+		const double q18 = q[17*stride];
+		double t141, c18;
+		all_small &= rneagen_sincos_known(q18, known, sines + 32, &t141, &c18);
+		const rneagen_lanes t143 = RNEA_LANES(c10, c18);
+		const rneagen_lanes t142 = RNEA_LANES(t140, t141);
+		const double qd10 = qd[9*stride];
+		const double qd18 = qd[17*stride];
+		const rneagen_lanes t144 = RNEA_LANES(qd10, qd18);
+		const rneagen_lanes w10y_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), w9y_wide, -t144);
+		const double qdd10 = qdd[9*stride];
+		const double qdd18 = qdd[17*stride];
+		const rneagen_lanes dw10y_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), dw9y_wide, -RNEA_LANES(qdd10,
+			qdd18));
+		const rneagen_lanes t145 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), w9z_wide,
+			RNEA_LANES(-1.0,
+			1.0)*w9x_wide);
+		const rneagen_lanes t146 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), w9x_wide,
+			-w9z_wide);
+		const rneagen_lanes t147 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), dw9z_wide,
+			RNEA_LANES(-1.0,
+			1.0)*dw9x_wide);
+		const rneagen_lanes t148 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), dw9x_wide,
+			-dw9z_wide);
+		const rneagen_lanes t149 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), a9z_wide,
+			RNEA_LANES(-1.0,
+			1.0)*a8x_wide);
+		const rneagen_lanes t150 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), a8x_wide,
+			-a9z_wide);
+		const rneagen_lanes w10z_wide = RNEA_LANES_FMA(t145, -t142, t143*t146);
+		const rneagen_lanes w10x_wide = RNEA_LANES_FMA(t142, t146, t143*t145);
+		const rneagen_lanes dw10x_wide = RNEA_LANES_FMA(t144, w10z_wide, RNEA_LANES_FMA(t142, t148, t143*t147));
+		const rneagen_lanes dw10z_wide = RNEA_LANES_FMA(w10x_wide, -t144, RNEA_LANES_FMA(t147, -t142,
+			t143*t148));
+		const rneagen_lanes a10z_wide = RNEA_LANES_FMA(t149, -t142, t143*t150);
+		const rneagen_lanes a10x_wide = RNEA_LANES_FMA(t142, t150, t143*t149);
+		const rneagen_lanes t151 = w10z_wide*w10y_wide;
+		const rneagen_lanes t152 = w10z_wide*w10z_wide;
+		const rneagen_lanes t156 = w10z_wide*w10x_wide;
+		const rneagen_lanes t153 = w10y_wide*w10y_wide;
+		const rneagen_lanes t160 = w10x_wide*w10y_wide;
+		const rneagen_lanes t157 = w10x_wide*w10x_wide;
+		const rneagen_lanes t154 = t151 - dw10x_wide;
+		const rneagen_lanes t155 = dw10x_wide + t151;
+		const rneagen_lanes t158 = t156 - dw10y_wide;
+		const rneagen_lanes t159 = dw10y_wide + t156;
+		const rneagen_lanes t161 = t160 - dw10z_wide;
+		const rneagen_lanes t164 = RNEA_LANES_FMA(RNEA_LANES(7.62246416e-06, -7.62246416e-06), t155,
+			RNEA_LANES_FMA(RNEA_SPLAT(-9.5280802e-07), t161, RNEA_LANES_FMA(RNEA_SPLAT(0.0004870151814),
+				dw10y_wide,
+			8.985285720000002e-06*t156)));
+		const rneagen_lanes f10x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.6839), a10x_wide,
+			RNEA_LANES_FMA(RNEA_LANES(1.1678e-05, -1.1678e-05), t159,
+				RNEA_LANES_FMA(RNEA_SPLAT(-9.3424e-05), t152
+			+ t153, RNEA_LANES(-0.060090400999999995, 0.060090400999999995)*t161)));
+		const rneagen_lanes t165 = RNEA_LANES_FMA(RNEA_SPLAT(9.5280802e-07), t159,
+			RNEA_LANES_FMA(RNEA_LANES(1.86848e-09, -1.86848e-09), t154,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.005347990369749999), t160, 0.0058260202654299995*dw10z_wide)));
+		const rneagen_lanes t162 = dw10z_wide + t160;
+		const rneagen_lanes t163 = RNEA_LANES_FMA(RNEA_LANES(-1.86848e-09, 1.86848e-09), t162,
+			RNEA_LANES_FMA(RNEA_LANES(-7.62246416e-06, 7.62246416e-06), t158,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.00583500555115), dw10x_wide, 0.00533900508403*t151)));
+		const rneagen_lanes f10z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.6839), a10z_wide,
+			RNEA_LANES_FMA(RNEA_LANES(-1.1678e-05, 1.1678e-05), t153 + t157,
+			RNEA_LANES_FMA(RNEA_LANES(-0.060090400999999995, 0.060090400999999995), t155,
+				9.3424e-05*t158)));
+		const rneagen_lanes f10y_wide = RNEA_LANES_FMA(RNEA_LANES(0.6839, -0.6839), a9y_wide,
+			RNEA_LANES_FMA(RNEA_LANES(1.1678e-05, -1.1678e-05), t154,
+			RNEA_LANES_FMA(RNEA_LANES(0.060090400999999995, -0.060090400999999995), t152 + t157,
+				9.3424e-05*t162)));
+		const rneagen_lanes f9y_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), f10y_wide, f9y_wide);
+		const rneagen_lanes n10x_wide = RNEA_LANES_FMA(RNEA_LANES(-1.1678e-05, -1.1678e-05), a9y_wide,
+			RNEA_LANES(-0.060090400999999995, 0.060090400999999995)*a10z_wide)
+			+ RNEA_LANES_FMA(RNEA_SPLAT(9.5280802e-07), t153 - t152, t163);
+		const rneagen_lanes n10y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-9.3424e-05), a10z_wide,
+			RNEA_LANES(1.1678e-05,
+			-1.1678e-05)*a10x_wide) + RNEA_LANES_FMA(RNEA_LANES(-1.86848e-09, 1.86848e-09), t152 - t157,
+				t164);
+		const rneagen_lanes n10z_wide = RNEA_LANES_FMA(RNEA_LANES(0.060090400999999995, -0.060090400999999995),
+			a10x_wide, RNEA_LANES(9.3424e-05, -9.3424e-05)*a9y_wide)
+				+ RNEA_LANES_FMA(RNEA_LANES(7.62246416e-06,
+			-7.62246416e-06), t157 - t153, t165);
+		const rneagen_lanes n9y_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), n10y_wide, n9y_wide);
+		const double n10y = n10y_wide[0];
+		const double n18y = n10y_wide[1];
+		tau[17*stride] = -n18y;
+		tau[9*stride] = -n10y;
+
+		/* ---- back from link 10 "l_hand" to link 9 (bpass): torque of "l_arm_lwy" ---- */
+		/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
+		const rneagen_lanes t166 = RNEA_LANES_FMA(t143, f10z_wide, t142*f10x_wide);
+		const rneagen_lanes t167 = RNEA_LANES_FMA(-t142, f10z_wide, t143*f10x_wide);
+		const rneagen_lanes f9z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.648), t139,
+			RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t167, -t166));
+		const rneagen_lanes f9x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.648), t137,
+			RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t166, RNEA_LANES(-1.0, 1.0)*t167));
+		const rneagen_lanes f8x_wide_2 = f8x_wide + f9x_wide;
+		const rneagen_lanes f8z_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), RNEA_LANES_FMA(t119, f9y_wide_2,
+			t120*f9z_wide), f8z_wide);
+		const rneagen_lanes f8y_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), RNEA_LANES_FMA(-t119, f9z_wide,
+			t120*f9y_wide_2), f8y_wide);
+		wide_across[38*step] = f8y_wide_2;
+		const rneagen_lanes f7y_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.248), a7y_wide, f8y_wide_2);
+		wide_across[39*step] = f7y_wide;
+		const rneagen_lanes t168 = RNEA_LANES_FMA(t143, n10z_wide, t142*n10x_wide);
+		const rneagen_lanes t169 = RNEA_LANES_FMA(-t142, n10z_wide, t143*n10x_wide);
+		const rneagen_lanes n9z_wide_2 = n9z_wide + RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0),
+			t169,
+			-t168);
+		const rneagen_lanes n9x_wide_2 = n9x_wide + RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0),
+			t168,
+			RNEA_LANES(-1.0, 1.0)*t169);
+		const rneagen_lanes n8x_wide_2 = n8x_wide + n9x_wide_2;
+		const rneagen_lanes n8z_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), RNEA_LANES_FMA(t119, n9y_wide_2,
+			t120*n9z_wide_2), n8z_wide);
+		const rneagen_lanes n8y_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), RNEA_LANES_FMA(-t119, n9z_wide_2,
+			t120*n9y_wide_2), n8y_wide);
+		wide_across[40*step] = n8y_wide_2;
+		const double n9x = n9x_wide_2[0];
+		const double n17x = n9x_wide_2[1];
+		tau[16*stride] = n17x;
+		tau[8*stride] = n9x;
+
+		/* ---- back from link 9 "l_lfarm" to link 8 (bpass): torque of "l_arm_mwx" ---- */
+		const double n8y = n8y_wide_2[0];
+		tau[7*stride] = -n8y;
+
+		/* ---- back from link 8 "l_ufarm" to link 7 (bpass): torque of "l_arm_uwy" ---- */
+		const rneagen_lanes t170 = RNEA_LANES_FMA(t94, f8z_wide_2, t93*f8x_wide_2);
+		wide_across[41*step] = t170;
+		const rneagen_lanes t171 = RNEA_LANES_FMA(-t93, f8z_wide_2, t94*f8x_wide_2);
+		wide_across[42*step] = t171;
+		const rneagen_lanes t172 = RNEA_LANES_FMA(t94, n8z_wide_2, t93*n8x_wide_2);
+		wide_across[43*step] = t172;
+		const rneagen_lanes t173 = RNEA_LANES_FMA(-t93, n8z_wide_2, t94*n8x_wide_2);
+		wide_across[44*step] = t173;
+	}
+	return all_small;
+}
+
+/* Segment 3 of 5, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_rnea_beside_segment3(const double *first_q, const double *first_qd,
+	const double *first_qdd, double *first_tau, const size_t stride, double *const first_across,
+	rneagen_lanes *const first_wide_across, const size_t step, const size_t lanes, const int known,
+	const double *sines)
+{
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const tau = first_tau + l;
+		double *const across = first_across + l;
+		rneagen_lanes *const wide_across = first_wide_across + l;
+		const rneagen_lanes t170 = wide_across[41*step];
+		const rneagen_lanes t171 = wide_across[42*step];
+		const rneagen_lanes t174 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t170, -t171);
+		const rneagen_lanes t175 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t171, -t170);
+		const rneagen_lanes t172 = wide_across[43*step];
+		const rneagen_lanes t173 = wide_across[44*step];
+		const rneagen_lanes f8y_wide_2 = wide_across[38*step];
+		const rneagen_lanes t176 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t172, -t173)
+			+ RNEA_LANES_FMA(RNEA_LANES(-0.29955, 0.29955), t175, 0.00921*f8y_wide_2);
+		const rneagen_lanes a7z_wide = wide_across[0];
+		const rneagen_lanes f7z_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.248), a7z_wide, t175);
+		const rneagen_lanes n7z_wide = wide_across[2*step];
+		const rneagen_lanes n7z_wide_2 = n7z_wide + RNEA_LANES_FMA(RNEA_LANES(0.29955, -0.29955), t174,
+			RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t173, -t172));
+		const rneagen_lanes dw7x_wide = wide_across[35*step];
+		const rneagen_lanes n7x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00265), dw7x_wide, t176);
+		const rneagen_lanes n7y_wide = wide_across[step];
+		const rneagen_lanes n8y_wide_2 = wide_across[40*step];
+		const rneagen_lanes n7y_wide_2 = n7y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.00921), t174, n8y_wide_2);
+		const double n16y = n8y_wide_2[1];
+		tau[15*stride] = -n16y;
+		const rneagen_lanes a7x_wide = wide_across[30*step];
+		const rneagen_lanes f7x_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.248), a7x_wide, t174);
+		const rneagen_lanes n6z_wide = wide_across[28*step];
+		const rneagen_lanes t82 = wide_across[32*step];
+		const rneagen_lanes t83 = wide_across[31*step];
+		const rneagen_lanes n6z_wide_2 = n6z_wide + RNEA_LANES_FMA(RNEA_LANES(0.119, -0.119), f7x_wide,
+			RNEA_LANES_FMA(-t82, n7y_wide_2, t83*n7z_wide_2));
+		const rneagen_lanes dw6y_wide = wide_across[21*step];
+		const rneagen_lanes n6y_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00358), dw6y_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.0092),
+			f7x_wide, RNEA_LANES_FMA(t83, n7y_wide_2, t82*n7z_wide_2)));
+		const rneagen_lanes f6x_wide = wide_across[29*step];
+		const rneagen_lanes f6x_wide_2 = f6x_wide + f7x_wide;
+		const double n7x = n7x_wide[0];
+		tau[6*stride] = -n7x;
+
+		/* ---- back from link 7 "l_larm" to link 6 (bpass): torque of "l_arm_elx" ---- */
+		const rneagen_lanes f7y_wide = wide_across[39*step];
+		const rneagen_lanes t177 = RNEA_LANES_FMA(t83, f7y_wide, t82*f7z_wide);
+		const rneagen_lanes t178 = RNEA_LANES_FMA(-t82, f7y_wide, t83*f7z_wide);
+		const rneagen_lanes n6x_wide = wide_across[25*step];
+		const rneagen_lanes n6x_wide_2 = n6x_wide + (n7x_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.0092), t177,
+			RNEA_LANES(-0.119, 0.119)*t178));
+		const rneagen_lanes f6z_wide = wide_across[24*step];
+		const rneagen_lanes f6z_wide_2 = f6z_wide + t178;
+		const rneagen_lanes f6y_wide = wide_across[27*step];
+		const rneagen_lanes f6y_wide_2 = f6y_wide + t177;
+		const rneagen_lanes a5y_wide = wide_across[15*step];
+		const rneagen_lanes f5y_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.899), a5y_wide, f6y_wide_2);
+		const double n15x = n7x_wide[1];
+		tau[14*stride] = -n15x;
+		const double n6y = n6y_wide[0];
+		tau[5*stride] = -n6y;
+
+		/* ---- back from link 6 "l_uarm" to link 5 (bpass): torque of "l_arm_ely" ---- */
+		const rneagen_lanes t70 = wide_across[19*step];
+		const rneagen_lanes t69 = wide_across[20*step];
+		const rneagen_lanes t179 = RNEA_LANES_FMA(t70, f6z_wide_2, t69*f6x_wide_2);
+		const rneagen_lanes t180 = RNEA_LANES_FMA(-t69, f6z_wide_2, t70*f6x_wide_2);
+		const rneagen_lanes n5z_wide = wide_across[18*step];
+		const rneagen_lanes n5z_wide_2 = n5z_wide + RNEA_LANES_FMA(RNEA_LANES(0.187, -0.187), t180,
+			RNEA_LANES_FMA(t70,
+			n6z_wide_2, t69*n6x_wide_2));
+		const rneagen_lanes t181 = RNEA_LANES_FMA(-t69, n6z_wide_2, t70*n6x_wide_2);
+		const rneagen_lanes dw5x_wide = wide_across[14*step];
+		const rneagen_lanes n5x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00319), dw5x_wide, t181
+			+ RNEA_LANES_FMA(RNEA_LANES(-0.187, 0.187), t179, 0.016*f6y_wide_2));
+		const rneagen_lanes a5z_wide = wide_across[16*step];
+		const rneagen_lanes f5z_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.899), a5z_wide, t179);
+		const rneagen_lanes n5y_wide = wide_across[17*step];
+		const rneagen_lanes n5y_wide_2 = n5y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.016), t180, n6y_wide);
+		const double n14y = n6y_wide[1];
+		tau[13*stride] = -n14y;
+		const rneagen_lanes a5x_wide = wide_across[10*step];
+		const rneagen_lanes f5x_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.899), a5x_wide, t180);
+		const rneagen_lanes n4z_wide = wide_across[8*step];
+		const rneagen_lanes t58 = wide_across[13*step];
+		const rneagen_lanes t59 = wide_across[12*step];
+		const rneagen_lanes n4z_wide_2 = n4z_wide + RNEA_LANES_FMA(RNEA_LANES(0.11, -0.11), f5x_wide,
+			RNEA_LANES_FMA(-t58, n5y_wide_2, t59*n5z_wide_2));
+		const rneagen_lanes n4y_wide = wide_across[9*step];
+		const rneagen_lanes n4y_wide_2 = n4y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.245), f5x_wide,
+			RNEA_LANES_FMA(t59,
+			n5y_wide_2, t58*n5z_wide_2));
+		const rneagen_lanes f4x_wide = wide_across[11*step];
+		const rneagen_lanes f4x_wide_2 = f4x_wide + f5x_wide;
+		const double n5x = n5x_wide[0];
+		tau[4*stride] = -n5x;
+
+		/* ---- back from link 5 "l_scap" to link 4 (bpass): torque of "l_arm_shx" ---- */
+		const rneagen_lanes t182 = RNEA_LANES_FMA(t59, f5y_wide, t58*f5z_wide);
+		const rneagen_lanes t183 = RNEA_LANES_FMA(-t58, f5y_wide, t59*f5z_wide);
+		const rneagen_lanes n4x_wide = wide_across[5*step];
+		const rneagen_lanes n4x_wide_2 = n4x_wide + (n5x_wide + RNEA_LANES_FMA(RNEA_LANES(-0.11, 0.11), t183,
+			0.245*t182));
+		const rneagen_lanes f4y_wide = wide_across[7*step];
+		const rneagen_lanes f4y_wide_2 = f4y_wide + t182;
+		const rneagen_lanes f4z_wide = wide_across[6*step];
+		const rneagen_lanes f4z_wide_2 = f4z_wide + t183;
+		const double n13x = n5x_wide[1];
+		tau[12*stride] = -n13x;
+		const double f4z = f4z_wide_2[0];
+		const double f3z = across[20*step];
+		const double f3z_2 = f3z + f4z;
+		const double n4z = n4z_wide_2[0];
+		tau[3*stride] = n4z;
+
+		/* ---- back from link 4 "l_clav" to link 3 (bpass): torque of "l_arm_shz" ---- */
+		const rneagen_lanes t35 = wide_across[4*step];
+		const rneagen_lanes t36 = wide_across[3*step];
+		const rneagen_lanes t184 = RNEA_LANES_FMA(-t35, f4y_wide_2, t36*f4x_wide_2);
+		const rneagen_lanes t185 = RNEA_LANES_FMA(t35, f4x_wide_2, t36*f4y_wide_2);
+		const rneagen_lanes t186 = RNEA_LANES_FMA(-t35, n4y_wide_2, t36*n4x_wide_2);
+		const rneagen_lanes t187 = RNEA_LANES_FMA(t35, n4x_wide_2, t36*n4y_wide_2);
+		const rneagen_lanes t188 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t185, -t184);
+		const rneagen_lanes t189 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t184, -t185);
+		const double f3y = across[18*step];
+		const double f3y_2 = f3y + t189[0];
+		const double f3x = across[16*step];
+		const double f3x_2 = f3x + t188[0];
+		const rneagen_lanes t190 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t187, -t186)
+			+ RNEA_LANES_FMA(RNEA_SPLAT(-0.4776), t189, RNEA_LANES(0.2256, -0.2256)*f4z_wide_2);
+		const rneagen_lanes t191 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t186, -t187)
+			+ RNEA_LANES_FMA(RNEA_SPLAT(-0.1406), f4z_wide_2, 0.4776*t188);
+		const double f12z = f4z_wide_2[1];
+		const double n3y = across[13*step];
+		const double n3y_2 = n3y + t191[0];
+		const double n3x = across[15*step];
+		const double n3x_2 = n3x + t190[0];
+		const rneagen_lanes t192 = n4z_wide_2 + RNEA_LANES_FMA(RNEA_LANES(-0.2256, 0.2256), t188, 0.1406*t189);
+		const double n12z = n4z_wide_2[1];
+		tau[11*stride] = n12z;
+		const double n3z = across[14*step];
+		const double n3z_2 = n3z + t192[0];
+
+		/* ---- out to link 11 "head" (fpass) ---- */
+		const double q11 = q[10*stride];
+		double s11, c11;
+		all_small &= rneagen_sincos_known(q11, known, sines + 18, &s11, &c11);
+		const double w3y = across[9*step];
+		const double qd11 = qd[10*stride];
+		const double w11y = w3y + qd11;
+		const double dw3y = across[11*step];
+		const double qdd11 = qdd[10*stride];
+		const double dw11y = dw3y + qdd11;
+		const double w3z = across[10*step];
+		const double w3x = across[7*step];
+		const double w11z = RNEA_FMA(w3z, c11, w3x*s11);
+		const double w11x = RNEA_FMA(s11, -w3z, w3x*c11);
+		const double dw3z = across[12*step];
+		const double dw3x = across[8*step];
+		const double dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(s11, -dw3z, dw3x*c11));
+		const double dw11z = RNEA_FMA(qd11, w11x, RNEA_FMA(dw3z, c11, dw3x*s11));
+		const double t194 = across[21*step];
+		const double t193 = across[17*step];
+		const double a11z = RNEA_FMA(c11, t194, s11*t193);
+		const double a11x = RNEA_FMA(t194, -s11, c11*t193);
+		const double t195 = w11z*w11y;
+		const double t196 = w11z*w11z;
+		const double t200 = w11z*w11x;
+		const double t197 = w11y*w11y;
+		const double t204 = w11x*w11y;
+		const double t201 = w11x*w11x;
+		const double t198 = t195 - dw11x;
+		const double t199 = dw11x + t195;
+		const double t202 = t200 - dw11y;
+		const double t203 = dw11y + t200;
+		const double t205 = t204 - dw11z;
+		const double t209 = RNEA_FMA(2.8062844640453003e-06, t199, RNEA_FMA(3.9827336694684e-06, t205,
+			RNEA_FMA(-0.005634444453194253, t200, 0.0205378789418435*dw11y)));
+		const double f11x = RNEA_FMA(2.087564, a11x, RNEA_FMA(0.054420420656, t203, RNEA_FMA(7.09504993e-05,
+			t205,
+			0.109829676908*(t196 + t197))));
+		const double t210 = RNEA_FMA(-3.9827336694684e-06, t203, RNEA_FMA(-0.0024130603412908323, t198,
+			RNEA_FMA(0.019152684977701343, dw11z, 0.007019638417336408*t204)));
+		const double t206 = dw11z + t204;
+		const double t208 = RNEA_FMA(0.0024130603412908323, t206, RNEA_FMA(-2.8062844640453003e-06, t202,
+			RNEA_FMA(-0.0013851939641421555, t195, 0.013518240524507091*dw11x)));
+		const double f11z = RNEA_FMA(2.087564, a11z, RNEA_FMA(-0.054420420656, t197 + t201,
+			RNEA_FMA(-0.109829676908,
+			t202, 7.09504993e-05*t199)));
+		const double t207 = RNEA_FMA(0.054420420656, t198, -RNEA_FMA(7.09504993e-05, t196 + t201,
+			0.109829676908*t206));
+		const double a11y = across[19*step];
+		const double f11y = RNEA_FMA(2.087564, a11y, t207);
+		const double f3y_3 = f3y_2 + f11y;
+		const double f3y_4 = f3y_3 + t189[1];
+		const double n11x = RNEA_FMA(-0.054420420656, a11y, 7.09504993e-05*a11z)
+			+ RNEA_FMA(-3.9827336694684e-06, t197
+			- t196, t208);
+		const double n11y = RNEA_FMA(0.054420420656, a11x, 0.109829676908*a11z)
+			+ RNEA_FMA(0.0024130603412908323, t196
+			- t201, t209);
+		const double n11z = RNEA_FMA(2.8062844640453003e-06, t201 - t197, t210) - RNEA_FMA(0.109829676908, a11y,
+			7.09504993e-05*a11x);
+		const double n3z_3 = n3z_2 + RNEA_FMA(0.2546, f11y, RNEA_FMA(-s11, n11x, c11*n11z));
+		const double n3x_3 = n3x_2 + RNEA_FMA(-0.6215, f11y, RNEA_FMA(s11, n11z, c11*n11x));
+		const double n3x_4 = n3x_3 + t190[1];
+		tau[2*stride] = n3x_4;
+		const double n3z_4 = n3z_3 + t192[1];
+		tau[10*stride] = n11y;
+
+		/* ---- back from link 11 "head" to link 3 (bpass): torque of "neck_ay" ---- */
+		const double t211 = RNEA_FMA(-s11, f11x, c11*f11z);
+		const double t212 = RNEA_FMA(s11, f11z, c11*f11x);
+		const double n3y_3 = n3y_2 + (n11y + RNEA_FMA(-0.2546, t211, 0.6215*t212));
+		const double f3x_3 = f3x_2 + t212;
+		const double f3x_4 = f3x_3 + t188[1];
+		const double f3z_3 = f3z_2 + t211;
+		const double f3z_4 = f3z_3 + f12z;
+		const double n2x = across[2*step];
+		const double s3 = across[5*step];
+		const double c3 = across[6*step];
+		const double n2x_2 = n2x + RNEA_FMA(-0.05, RNEA_FMA(-s3, f3z_4, c3*f3y_4), n3x_4);
+		const double n3y_4 = n3y_3 + t191[1];
+		const double n2z = across[3*step];
+		const double n2z_2 = n2z + RNEA_FMA(s3, n3y_4, c3*n3z_4);
+		const double n2y = across[4*step];
+		const double n2y_2 = n2y + RNEA_FMA(0.05, f3x_4, RNEA_FMA(-s3, n3z_4, c3*n3y_4));
+		tau[stride] = n2y_2;
+		const double qdd1 = qdd[0];
+		const double s2 = across[0];
+		const double c2 = across[step];
+		const double n1z = RNEA_FMA(0.002034694245187647, qdd1, RNEA_FMA(n2x_2, -s2, c2*n2z_2));
+		tau[0] = n1z;
+
+		/* ---- out to link 19 "l_uglut" (fpass) ---- */
+		const double qd19 = qd[18*stride];
+		const double qd25 = qd[24*stride];
+		const rneagen_lanes t213 = RNEA_LANES(qd19, qd25);
+		const double qdd19 = qdd[18*stride];
+		const double qdd25 = qdd[24*stride];
+		const rneagen_lanes t214 = RNEA_LANES(qdd19, qdd25);
+		wide_across[22*step] = t214;
+
+		/* ---- out to link 20 "l_lglut" (fpass) ---- */
+		const double q20 = q[19*stride];
+		double s20, c20;
+		all_small &= rneagen_sincos_known(q20, known, sines + 34, &s20, &c20);
+		const double q26 = q[25*stride];
+		double s26, c26;
+		all_small &= rneagen_sincos_known(q26, known, sines + 44, &s26, &c26);
+		const rneagen_lanes t216 = RNEA_LANES(c20, c26);
+		wide_across[23*step] = t216;
+		const rneagen_lanes t215 = RNEA_LANES(s20, s26);
+		wide_across[26*step] = t215;
+		const double qd20 = qd[19*stride];
+		const double qd26 = qd[25*stride];
+		const rneagen_lanes t217 = RNEA_LANES(qd20, qd26);
+		wide_across[33*step] = t217;
+		const double qdd20 = qdd[19*stride];
+		const double qdd26 = qdd[25*stride];
+		const rneagen_lanes t218 = RNEA_LANES(qdd20, qdd26);
+		wide_across[34*step] = t218;
+		const rneagen_lanes w20y_wide = t213*t215;
+		wide_across[36*step] = w20y_wide;
+		const rneagen_lanes w20z_wide = t213*t216;
+		wide_across[37*step] = w20z_wide;
+		const rneagen_lanes t219 = t217*w20z_wide;
+		const rneagen_lanes t220 = t217*w20y_wide;
+		const rneagen_lanes dw20y_wide = RNEA_LANES_FMA(t214, t215, t219);
+		wide_across[45*step] = dw20y_wide;
+		const rneagen_lanes dw20z_wide = RNEA_LANES_FMA(t214, t216, -t220);
+		wide_across[46*step] = dw20z_wide;
+		const rneagen_lanes t221 = w20y_wide*w20z_wide;
+		const rneagen_lanes t222 = w20z_wide*w20z_wide;
+		const rneagen_lanes t223 = w20y_wide*w20y_wide;
+		const rneagen_lanes t224 = t221 - t218;
+		const rneagen_lanes t225 = t218 + t221;
+		const rneagen_lanes t226 = t217*t217;
+		const rneagen_lanes t227 = t219 - dw20y_wide;
+		const rneagen_lanes t228 = t219 + dw20y_wide;
+		const rneagen_lanes t229 = t220 - dw20z_wide;
+		const rneagen_lanes t232 = RNEA_LANES_FMA(RNEA_LANES(-0.00022657231325511998, 0.00022657231325511998),
+			t225,
+			RNEA_LANES_FMA(RNEA_LANES(-0.00061559686104864, 0.00061559686104864), t229,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.0023026633314053), dw20y_wide, 0.0003412337232385399*t219)));
+		const rneagen_lanes t237 = RNEA_LANES_FMA(RNEA_SPLAT(-0.066), t228, RNEA_LANES_FMA(RNEA_SPLAT(-0.05),
+			t222
+			+ t223, RNEA_LANES(0.0225, -0.0225)*t229));
+		wide_across[47*step] = t237;
+		const rneagen_lanes t233 = RNEA_LANES_FMA(RNEA_LANES(0.00061559686104864, -0.00061559686104864), t228,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.00037615682507336), t224,
+				RNEA_LANES_FMA(RNEA_SPLAT(0.00148553465650226),
+			dw20z_wide, 0.00047589495166449995*t220)));
+		const rneagen_lanes t230 = t220 + dw20z_wide;
+		const rneagen_lanes a21y_wide = RNEA_LANES_FMA(RNEA_SPLAT(9.81), t215,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.066), t224,
+			RNEA_LANES_FMA(RNEA_LANES(-0.0225, 0.0225), t222 + t226, 0.05*t230)));
+		wide_across[48*step] = a21y_wide;
+		const rneagen_lanes t231 = RNEA_LANES_FMA(RNEA_SPLAT(0.00037615682507336), t230,
+			RNEA_LANES_FMA(RNEA_LANES(0.00022657231325511998, -0.00022657231325511998), t227,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.0008171286749030399), t221, 0.0018267683797407999*t218)));
+		const rneagen_lanes t238 = RNEA_LANES_FMA(RNEA_SPLAT(9.81), t216, RNEA_LANES_FMA(RNEA_SPLAT(0.066), t223
+			+ t226,
+			RNEA_LANES_FMA(RNEA_LANES(0.0225, -0.0225), t225, 0.05*t227)));
+		wide_across[49*step] = t238;
+		const rneagen_lanes n20x_wide = RNEA_LANES_FMA(RNEA_LANES(0.150185833992, -0.150185833992), t216,
+			0.274898464776*t215) + RNEA_LANES_FMA(RNEA_LANES(0.00061559686104864, -0.00061559686104864),
+				t223
+			- t222, t231);
+		wide_across[50*step] = n20x_wide;
+		const rneagen_lanes n20y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.11746515385800001), t216,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.00037615682507336), t222 - t226, t232));
+		wide_across[51*step] = n20y_wide;
+		const rneagen_lanes n20z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.11746515385800001), t215,
+			RNEA_LANES_FMA(RNEA_LANES(-0.00022657231325511998, 0.00022657231325511998), t226 - t223, t233));
+		wide_across[52*step] = n20z_wide;
+	}
+	return all_small;
+}
+
+/* Segment 4 of 5, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int atlas_rnea_beside_segment4(const double *first_q, const double *first_qd,
+	const double *first_qdd, double *first_tau, const size_t stride, double *const first_across,
+	rneagen_lanes *const first_wide_across, const size_t step, const size_t lanes, const int known,
+	const double *sines)
+{
+	(void)first_across;
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const tau = first_tau + l;
+		rneagen_lanes *const wide_across = first_wide_across + l;
+
+		/* ---- out to link 21 "l_uleg" (fpass) ---- */
+		const double q21 = q[20*stride];
+		double s21, c21;
+		all_small &= rneagen_sincos_known(q21, known, sines + 36, &s21, &c21);
+		const double q27 = q[26*stride];
+		double s27, c27;
+		all_small &= rneagen_sincos_known(q27, known, sines + 46, &s27, &c27);
+		const rneagen_lanes t235 = RNEA_LANES(c21, c27);
+		const rneagen_lanes t234 = RNEA_LANES(s21, s27);
+		const double qd21 = qd[20*stride];
+		const double qd27 = qd[26*stride];
+		const rneagen_lanes t236 = RNEA_LANES(qd21, qd27);
+		const rneagen_lanes w20y_wide = wide_across[36*step];
+		const rneagen_lanes w21y_wide = w20y_wide + t236;
+		const rneagen_lanes dw20y_wide = wide_across[45*step];
+		const double qdd21 = qdd[20*stride];
+		const double qdd27 = qdd[26*stride];
+		const rneagen_lanes dw21y_wide = dw20y_wide + RNEA_LANES(qdd21, qdd27);
+		const rneagen_lanes w20z_wide = wide_across[37*step];
+		const rneagen_lanes t217 = wide_across[33*step];
+		const rneagen_lanes w21z_wide = RNEA_LANES_FMA(w20z_wide, t235, t217*t234);
+		const rneagen_lanes w21x_wide = RNEA_LANES_FMA(t234, -w20z_wide, t217*t235);
+		const rneagen_lanes dw20z_wide = wide_across[46*step];
+		const rneagen_lanes t218 = wide_across[34*step];
+		const rneagen_lanes dw21x_wide = RNEA_LANES_FMA(w21z_wide, -t236, RNEA_LANES_FMA(t234, -dw20z_wide,
+			t218*t235));
+		const rneagen_lanes dw21z_wide = RNEA_LANES_FMA(t236, w21x_wide, RNEA_LANES_FMA(dw20z_wide, t235,
+			t218*t234));
+		const rneagen_lanes t238 = wide_across[49*step];
+		const rneagen_lanes t237 = wide_across[47*step];
+		const rneagen_lanes a21z_wide = RNEA_LANES_FMA(t235, t238, t234*t237);
+		const rneagen_lanes a21x_wide = RNEA_LANES_FMA(t238, -t234, t235*t237);
+		const rneagen_lanes t239 = w21z_wide*w21y_wide;
+		const rneagen_lanes t240 = w21y_wide*w21y_wide;
+		const rneagen_lanes t241 = t239 - dw21x_wide;
+		const rneagen_lanes a21y_wide = wide_across[48*step];
+		const rneagen_lanes n21x_wide = RNEA_LANES_FMA(RNEA_SPLAT(1.7228400000000001), a21y_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.4317964), t239, 0.4517964*dw21x_wide));
+		const rneagen_lanes t242 = w21z_wide*w21x_wide;
+		const rneagen_lanes t243 = dw21y_wide + t242;
+		const rneagen_lanes t244 = RNEA_LANES_FMA(w21x_wide, w21x_wide, t240);
+		const rneagen_lanes t248 = a21x_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.374), t243,
+			0.05*RNEA_LANES_FMA(w21z_wide,
+			w21z_wide, t240));
+		const rneagen_lanes f21x_wide = RNEA_LANES_FMA(RNEA_SPLAT(-1.7228400000000001), t243, 8.204*a21x_wide);
+		const rneagen_lanes n21y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-1.7228400000000001), a21x_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.4517964), dw21y_wide, 0.4317964*t242));
+		const rneagen_lanes t249 = a21z_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.05), t242 - dw21y_wide, 0.374*t244);
+		const rneagen_lanes f21z_wide = RNEA_LANES_FMA(RNEA_SPLAT(8.204), a21z_wide, 1.7228400000000001*t244);
+		const rneagen_lanes f21y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-1.7228400000000001), t241, 8.204*a21y_wide);
+		const rneagen_lanes a22y_wide = a21y_wide - RNEA_LANES_FMA(RNEA_SPLAT(0.374), t241,
+			0.05*RNEA_LANES_FMA(w21x_wide, w21y_wide, dw21z_wide));
+
+		/* ---- out to link 22 "l_lleg" (fpass) ---- */
+		const double q22 = q[21*stride];
+		double s22, c22;
+		all_small &= rneagen_sincos_known(q22, known, sines + 38, &s22, &c22);
+		const double q28 = q[27*stride];
+		double s28, c28;
+		all_small &= rneagen_sincos_known(q28, known, sines + 48, &s28, &c28);
+		const rneagen_lanes t246 = RNEA_LANES(c22, c28);
+		const rneagen_lanes t245 = RNEA_LANES(s22, s28);
+		const double qd22 = qd[21*stride];
+		const double qd28 = qd[27*stride];
+		const rneagen_lanes t247 = RNEA_LANES(qd22, qd28);
+		const rneagen_lanes w22y_wide = w21y_wide + t247;
+		const double qdd22 = qdd[21*stride];
+		const double qdd28 = qdd[27*stride];
+		const rneagen_lanes dw22y_wide = dw21y_wide + RNEA_LANES(qdd22, qdd28);
+		const rneagen_lanes w22z_wide = RNEA_LANES_FMA(w21z_wide, t246, w21x_wide*t245);
+		const rneagen_lanes w22x_wide = RNEA_LANES_FMA(t245, -w21z_wide, w21x_wide*t246);
+		const rneagen_lanes dw22x_wide = RNEA_LANES_FMA(w22z_wide, -t247, RNEA_LANES_FMA(t245, -dw21z_wide,
+			dw21x_wide*t246));
+		const rneagen_lanes dw22z_wide = RNEA_LANES_FMA(t247, w22x_wide, RNEA_LANES_FMA(dw21z_wide, t246,
+			dw21x_wide*t245));
+		const rneagen_lanes a22z_wide = RNEA_LANES_FMA(t246, t249, t245*t248);
+		const rneagen_lanes a22x_wide = RNEA_LANES_FMA(t249, -t245, t246*t248);
+		const rneagen_lanes t250 = w22z_wide*w22y_wide;
+		const rneagen_lanes t251 = w22z_wide*w22z_wide;
+		const rneagen_lanes t252 = w22y_wide*w22y_wide;
+		const rneagen_lanes t253 = t250 - dw22x_wide;
+		const rneagen_lanes t254 = w22z_wide*w22x_wide;
+		const rneagen_lanes t255 = w22x_wide*w22x_wide;
+		const rneagen_lanes t256 = dw22y_wide + t254;
+		const rneagen_lanes t257 = w22x_wide*w22y_wide;
+		const rneagen_lanes t258 = t252 + t255;
+		const rneagen_lanes t260 = RNEA_LANES_FMA(RNEA_SPLAT(-0.002155695), t251 - t255,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.23388954999999997), dw22y_wide, 0.22488052*t254));
+		const rneagen_lanes f22z_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.515), a22z_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.844305), t258, 0.004515*(t254 - dw22y_wide)));
+		const rneagen_lanes t265 = RNEA_LANES_FMA(RNEA_SPLAT(0.422), t258, a22z_wide);
+		const rneagen_lanes n22y_wide = t260 - RNEA_LANES_FMA(RNEA_SPLAT(0.844305), a22x_wide,
+			0.004515*a22z_wide);
+		const rneagen_lanes f22x_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.515), a22x_wide,
+			-RNEA_LANES_FMA(RNEA_SPLAT(0.844305), t256, 0.004515*(t251 + t252)));
+		const rneagen_lanes t264 = RNEA_LANES_FMA(RNEA_SPLAT(-0.422), t256, a22x_wide);
+		const rneagen_lanes t259 = dw22z_wide + t257;
+		const rneagen_lanes n22z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.004515), a22y_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.002155695), t253, RNEA_LANES_FMA(RNEA_SPLAT(-0.0009954850000000008),
+				t257,
+			0.010004515*dw22z_wide)));
+		const rneagen_lanes n22x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.844305), a22y_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.002155695), t259, RNEA_LANES_FMA(RNEA_SPLAT(-0.22388503499999998),
+				t250,
+			0.234885035*dw22x_wide)));
+		const rneagen_lanes f22y_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.515), a22y_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.844305), t253, 0.004515*t259));
+		const rneagen_lanes a23y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.422), t253, a22y_wide);
+
+		/* ---- out to link 23 "l_talus" (fpass) ---- */
+		const double q23 = q[22*stride];
+		double s23, c23;
+		all_small &= rneagen_sincos_known(q23, known, sines + 40, &s23, &c23);
+		const double q29 = q[28*stride];
+		double s29, c29;
+		all_small &= rneagen_sincos_known(q29, known, sines + 50, &s29, &c29);
+		const rneagen_lanes t262 = RNEA_LANES(c23, c29);
+		const rneagen_lanes t261 = RNEA_LANES(s23, s29);
+		const double qd23 = qd[22*stride];
+		const double qd29 = qd[28*stride];
+		const rneagen_lanes t263 = RNEA_LANES(qd23, qd29);
+		const rneagen_lanes w23y_wide = w22y_wide + t263;
+		const double qdd23 = qdd[22*stride];
+		const double qdd29 = qdd[28*stride];
+		const rneagen_lanes dw23y_wide = dw22y_wide + RNEA_LANES(qdd23, qdd29);
+		const rneagen_lanes w23z_wide = RNEA_LANES_FMA(w22z_wide, t262, w22x_wide*t261);
+		const rneagen_lanes w23x_wide = RNEA_LANES_FMA(t261, -w22z_wide, w22x_wide*t262);
+		const rneagen_lanes dw23x_wide = RNEA_LANES_FMA(w23z_wide, -t263, RNEA_LANES_FMA(t261, -dw22z_wide,
+			dw22x_wide*t262));
+		const rneagen_lanes dw23z_wide = RNEA_LANES_FMA(t263, w23x_wide, RNEA_LANES_FMA(dw22z_wide, t262,
+			dw22x_wide*t261));
+		const rneagen_lanes a23z_wide = RNEA_LANES_FMA(t262, t265, t261*t264);
+		const rneagen_lanes a23x_wide = RNEA_LANES_FMA(t265, -t261, t262*t264);
+		const rneagen_lanes f23x_wide = 0.125*a23x_wide;
+		const rneagen_lanes n23x_wide = RNEA_LANES_FMA(RNEA_SPLAT(1.01674e-05), dw23x_wide,
+			4.5823499999999986e-06*(w23z_wide*w23y_wide));
+		const rneagen_lanes n23y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-2.842699999999999e-06), w23z_wide*w23x_wide,
+			8.42775e-06*dw23y_wide);
+		const rneagen_lanes n23z_wide = RNEA_LANES_FMA(RNEA_SPLAT(-1.7396499999999995e-06), w23x_wide*w23y_wide,
+			1.30101e-05*dw23z_wide);
+
+		/* ---- out to link 24 "l_foot" (fpass) ---- */
+		const double q24 = q[23*stride];
+		double s24, c24;
+		all_small &= rneagen_sincos_known(q24, known, sines + 42, &s24, &c24);
+		const double q30 = q[29*stride];
+		double s30, c30;
+		all_small &= rneagen_sincos_known(q30, known, sines + 52, &s30, &c30);
+		const rneagen_lanes t267 = RNEA_LANES(c24, c30);
+		const rneagen_lanes t266 = RNEA_LANES(s24, s30);
+		const double qd24 = qd[23*stride];
+		const double qd30 = qd[29*stride];
+		const rneagen_lanes t268 = RNEA_LANES(qd24, qd30);
+		const rneagen_lanes w24x_wide = w23x_wide + t268;
+		const double qdd24 = qdd[23*stride];
+		const double qdd30 = qdd[29*stride];
+		const rneagen_lanes dw24x_wide = dw23x_wide + RNEA_LANES(qdd24, qdd30);
+		const rneagen_lanes w24y_wide = RNEA_LANES_FMA(w23y_wide, t267, w23z_wide*t266);
+		const rneagen_lanes w24z_wide = RNEA_LANES_FMA(t266, -w23y_wide, w23z_wide*t267);
+		const rneagen_lanes dw24y_wide = RNEA_LANES_FMA(t268, w24z_wide, RNEA_LANES_FMA(dw23y_wide, t267,
+			dw23z_wide*t266));
+		const rneagen_lanes dw24z_wide = RNEA_LANES_FMA(w24y_wide, -t268, RNEA_LANES_FMA(t266, -dw23y_wide,
+			dw23z_wide*t267));
+		const rneagen_lanes a24y_wide = RNEA_LANES_FMA(a23y_wide, t267, a23z_wide*t266);
+		const rneagen_lanes a24z_wide = RNEA_LANES_FMA(t266, -a23y_wide, a23z_wide*t267);
+		const rneagen_lanes t269 = w24y_wide*w24z_wide;
+		const rneagen_lanes t270 = w24y_wide*w24y_wide;
+		const rneagen_lanes t272 = w24y_wide*w24x_wide;
+		const rneagen_lanes t274 = a24y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.067), t269 - dw24x_wide,
+			0.027*(dw24z_wide
+			+ t272));
+		const rneagen_lanes n24z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.06507), t274,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.008),
+			dw24z_wide, 0.005*t272));
+		const rneagen_lanes n24x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.16147000000000003), t274,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.002), dw24x_wide, 0.001*t269));
+		const rneagen_lanes f24y_wide = 2.41*t274;
+		const rneagen_lanes n23x_wide_2 = n23x_wide + n24x_wide;
+		const rneagen_lanes t271 = w24z_wide*w24x_wide;
+		const rneagen_lanes t275 = a24z_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.067), RNEA_LANES_FMA(w24x_wide,
+			w24x_wide,
+			t270), 0.027*(t271 - dw24y_wide));
+		const rneagen_lanes t273 = a23x_wide - RNEA_LANES_FMA(RNEA_SPLAT(0.067), dw24y_wide + t271,
+			0.027*RNEA_LANES_FMA(w24z_wide, w24z_wide, t270));
+		const rneagen_lanes n24y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.006), t271, 0.007*dw24y_wide)
+			- RNEA_LANES_FMA(RNEA_SPLAT(0.16147000000000003), t273, 0.06507*t275);
+		const rneagen_lanes f24z_wide = 2.41*t275;
+		const rneagen_lanes f23z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.125), a23z_wide, RNEA_LANES_FMA(t266,
+			f24y_wide,
+			t267*f24z_wide));
+		const rneagen_lanes f23y_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.125), a23y_wide, RNEA_LANES_FMA(f24z_wide,
+			-t266,
+			t267*f24y_wide));
+		const rneagen_lanes f22y_wide_2 = f22y_wide + f23y_wide;
+		const rneagen_lanes f21y_wide_2 = f21y_wide + f22y_wide_2;
+		const rneagen_lanes f23x_wide_2 = RNEA_LANES_FMA(RNEA_SPLAT(2.41), t273, f23x_wide);
+		const rneagen_lanes f22z_wide_2 = f22z_wide + RNEA_LANES_FMA(-t261, f23x_wide_2, t262*f23z_wide);
+		const rneagen_lanes t276 = RNEA_LANES_FMA(t261, f23z_wide, t262*f23x_wide_2);
+		const rneagen_lanes f22x_wide_2 = f22x_wide + t276;
+		const rneagen_lanes n23z_wide_2 = n23z_wide + RNEA_LANES_FMA(t266, n24y_wide, t267*n24z_wide);
+		const rneagen_lanes n23y_wide_2 = n23y_wide + RNEA_LANES_FMA(n24z_wide, -t266, t267*n24y_wide);
+		const rneagen_lanes n22y_wide_2 = n22y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.422), t276, n23y_wide_2);
+		const rneagen_lanes n22z_wide_2 = n22z_wide + RNEA_LANES_FMA(-t261, n23x_wide_2, t262*n23z_wide_2);
+		const rneagen_lanes n22x_wide_2 = n22x_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.422), f23y_wide,
+			RNEA_LANES_FMA(t261,
+			n23z_wide_2, t262*n23x_wide_2));
+		const rneagen_lanes n21z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.02), dw21z_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.05),
+			f22y_wide_2, RNEA_LANES_FMA(-t245, n22x_wide_2, t246*n22z_wide_2)));
+		const rneagen_lanes n21x_wide_2 = n21x_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.374), f22y_wide_2,
+			RNEA_LANES_FMA(t245, n22z_wide_2, t246*n22x_wide_2));
+		const double n24x = n24x_wide[0];
+		const double n30x = n24x_wide[1];
+		tau[29*stride] = n30x;
+		tau[23*stride] = n24x;
+
+		/* ---- back from link 24 "l_foot" to link 23 (bpass): torque of "l_leg_akx" ---- */
+		const double n23y = n23y_wide_2[0];
+		const double n29y = n23y_wide_2[1];
+		tau[28*stride] = n29y;
+		tau[22*stride] = n23y;
+
+		/* ---- back from link 23 "l_talus" to link 22 (bpass): torque of "l_leg_aky" ---- */
+		const double n22y = n22y_wide_2[0];
+		tau[21*stride] = n22y;
+
+		/* ---- back from link 22 "l_lleg" to link 21 (bpass): torque of "l_leg_kny" ---- */
+		const rneagen_lanes t277 = RNEA_LANES_FMA(-t245, f22x_wide_2, t246*f22z_wide_2);
+		const rneagen_lanes t278 = RNEA_LANES_FMA(t245, f22z_wide_2, t246*f22x_wide_2);
+		const rneagen_lanes n21y_wide_2 = n21y_wide + (n22y_wide_2 + RNEA_LANES_FMA(RNEA_SPLAT(-0.374), t278,
+			0.05*t277));
+		const rneagen_lanes f21z_wide_2 = f21z_wide + t277;
+		const rneagen_lanes f21x_wide_2 = f21x_wide + t278;
+		const double n28y = n22y_wide_2[1];
+		tau[27*stride] = n28y;
+		const double n21y = n21y_wide_2[0];
+		tau[20*stride] = n21y;
+
+		/* ---- back from link 21 "l_uleg" to link 20 (bpass): torque of "l_leg_hpy" ---- */
+		const rneagen_lanes t279 = RNEA_LANES_FMA(-t234, f21x_wide_2, t235*f21z_wide_2);
+		const rneagen_lanes t280 = RNEA_LANES_FMA(t234, f21z_wide_2, t235*f21x_wide_2);
+		const rneagen_lanes n20y_wide = wide_across[51*step];
+		const rneagen_lanes n20y_wide_2 = n20y_wide + (n21y_wide_2 - RNEA_LANES_FMA(RNEA_SPLAT(0.066), t280,
+			0.05*t279));
+		const rneagen_lanes t282 = RNEA_LANES_FMA(t234, n21z_wide, t235*n21x_wide_2)
+			+ RNEA_LANES_FMA(RNEA_LANES(0.0225,
+			-0.0225), t279, 0.066*f21y_wide_2);
+		const rneagen_lanes t281 = RNEA_LANES_FMA(-t234, n21x_wide_2, t235*n21z_wide);
+		const rneagen_lanes n20z_wide = wide_across[52*step];
+		const rneagen_lanes n20z_wide_2 = n20z_wide + (t281 + RNEA_LANES_FMA(RNEA_LANES(-0.0225, 0.0225), t280,
+			0.05*f21y_wide_2));
+		const rneagen_lanes t214 = wide_across[22*step];
+		const rneagen_lanes t215 = wide_across[26*step];
+		const rneagen_lanes t216 = wide_across[23*step];
+		const rneagen_lanes n19z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.0004905759537860812), t214,
+			RNEA_LANES_FMA(t215,
+			n20y_wide_2, t216*n20z_wide_2));
+		const rneagen_lanes n20x_wide = wide_across[50*step];
+		const rneagen_lanes n20x_wide_2 = n20x_wide + t282;
+		const double n27y = n21y_wide_2[1];
+		tau[26*stride] = n27y;
+		const double n20x = n20x_wide_2[0];
+		const double n26x = n20x_wide_2[1];
+		tau[25*stride] = n26x;
+		tau[19*stride] = n20x;
+
+		/* ---- back from link 20 "l_lglut" to link 19 (bpass): torque of "l_leg_hpx" ---- */
+		const double n19z = n19z_wide[0];
+		const double n25z = n19z_wide[1];
+		tau[24*stride] = n25z;
+		tau[18*stride] = n19z;
+
+		/* ---- back from link 25 "r_uglut" to the world (bpass): torque of "r_leg_hpz" ---- */
+	}
+	return all_small;
+}
+
+#endif
 /* Segment 0 of 7, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_fpass_segment0(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
@@ -4664,9 +6013,73 @@ static void atlas_rnea_part(const double *restrict q, const double *restrict qd,
 	}
 }
 
+#if defined RNEA_LANES
+static RNEA_ALONE void atlas_rnea_beside_one0(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, rneagen_lanes *const wide_across, const int known,
+	const double *sines)
+{
+	atlas_rnea_beside_segment0(q, qd, qdd, tau, stride, across, wide_across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_rnea_beside_one1(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, rneagen_lanes *const wide_across, const int known,
+	const double *sines)
+{
+	atlas_rnea_beside_segment1(q, qd, qdd, tau, stride, across, wide_across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_rnea_beside_one2(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, rneagen_lanes *const wide_across, const int known,
+	const double *sines)
+{
+	atlas_rnea_beside_segment2(q, qd, qdd, tau, stride, across, wide_across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_rnea_beside_one3(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, rneagen_lanes *const wide_across, const int known,
+	const double *sines)
+{
+	atlas_rnea_beside_segment3(q, qd, qdd, tau, stride, across, wide_across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void atlas_rnea_beside_one4(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, rneagen_lanes *const wide_across, const int known,
+	const double *sines)
+{
+	atlas_rnea_beside_segment4(q, qd, qdd, tau, stride, across, wide_across, 1, 1, known, sines);
+}
+
+/* One sample, in lanes: a batch has none, so that its bits do not go by how it is divided. */
+static void atlas_rnea_beside_body(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, const int known, const double *sines)
+{
+	double across[22];
+	rneagen_lanes wide_across[53];
+
+	atlas_rnea_beside_one0(q, qd, qdd, tau, stride, across, wide_across, known, sines);
+	atlas_rnea_beside_one1(q, qd, qdd, tau, stride, across, wide_across, known, sines);
+	atlas_rnea_beside_one2(q, qd, qdd, tau, stride, across, wide_across, known, sines);
+	atlas_rnea_beside_one3(q, qd, qdd, tau, stride, across, wide_across, known, sines);
+	atlas_rnea_beside_one4(q, qd, qdd, tau, stride, across, wide_across, known, sines);
+}
+
+static void atlas_rnea_beside_any(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride)
+{
+	double sines[54];
+
+	atlas_rnea_sines(q, stride, sines);
+	atlas_rnea_beside_body(q, qd, qdd, tau, stride, 1, sines);
+}
+#endif
+
 void atlas_rnea(const double *q, const double *qd, const double *qdd, double *tau)
 {
+#if defined RNEA_LANES
+	atlas_rnea_beside_any(q, qd, qdd, tau, 1);
+#else
 	atlas_rnea_any(q, qd, qdd, tau, 1);
+#endif
 }
 
 void atlas_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end)

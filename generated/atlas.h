@@ -9,6 +9,8 @@
  *   bpass: 121 mul, 149 add, 12 sub, 36 neg, 161 fma, 27 sincos = 604 flops
  *   rnea is in 6 segments, each for several samples before the next; 90 values go across cuts
  *   fpass is in 7 segments, each for several samples before the next; 32 values go across cuts
+ *   With vectors of 2 numbers a sample alone runs rnea_beside: 5 segments in lanes; its last bits may not be
+ *   those of a batch. -DRNEA_NO_LANES leaves it out.
  *
  * Joints:
  *   q[0] qd[0] revolute "back_bkz", rad
@@ -58,6 +60,7 @@
  *   f                force: the link's own, then with its children's
  *   n                moment about the origin, as f
  *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._wide         the same quantity of several limbs or coordinates side by side: lanes
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
  *   across step      values that one segment leaves for another; from one of them to the next

@@ -9,6 +9,8 @@
  *   bpass: 56 mul, 72 add, 8 sub, 29 neg, 116 fma, 12 sincos = 368 flops
  *   rnea is in 4 segments, each for several samples before the next; 34 values go across cuts
  *   fpass is in 4 segments, each for several samples before the next; 40 values go across cuts
+ *   With vectors of 4 numbers a sample alone runs rnea_beside: 2 segments in lanes; its last bits may not be
+ *   those of a batch. -DRNEA_NO_LANES leaves it out.
  *
  * Joints:
  *   q[0..6] qd[0..5] floating base
@@ -45,6 +47,7 @@
  *   f                force: the link's own, then with its children's
  *   n                moment about the origin, as f
  *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._wide         the same quantity of several limbs or coordinates side by side: lanes
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
  *   across step      values that one segment leaves for another; from one of them to the next
@@ -104,6 +107,25 @@ below */
 #define RNEA_VECTORS
 #endif
 
+
+/* limbs or coordinates side by side: vectors of four numbers, where a compiler has them and the machine computes several at once */
+#if defined __GNUC__ && defined __SSE2__ && !defined RNEA_NO_LANES && !defined __CUDACC__ && !defined __NVCOMPILER
+#undef rneagen_lanes
+#undef RNEA_LANES
+#undef RNEA_SPLAT
+#undef RNEA_LANES_FMA
+#define rneagen_lanes hyq_lanes
+typedef double rneagen_lanes __attribute__((vector_size(4*sizeof(double))));
+#define RNEA_LANES(a, b, c, d) ((rneagen_lanes){a, b, c, d})
+#define RNEA_SPLAT(a) ((rneagen_lanes){a, a, a, a})
+#define RNEA_LANES_FMA(a, b, c) ((a)*(b) + (c))
+#if defined __has_builtin && !defined __clang__
+#if __has_builtin(__builtin_ia32_vfmaddpd256) /* gcc from 10 on, which joins nothing by itself with -std=c11 */
+#undef RNEA_LANES_FMA
+#define RNEA_LANES_FMA(a, b, c) __builtin_ia32_vfmaddpd256(a, b, c)
+#endif
+#endif
+#endif
 /* Segment 0 of 4, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_tau, const size_t stride, double *const first_across, const size_t step, const size_t lanes,
@@ -1104,6 +1126,582 @@ static RNEA_INLINE int hyq_rnea_segment3(const double *first_q, const double *fi
 	return all_small;
 }
 
+#if defined RNEA_LANES
+/* Segment 0 of 2, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int hyq_rnea_beside_segment0(const double *first_q, const double *first_qd, const double *first_qdd,
+	double *first_tau, const size_t stride, double *const first_across, rneagen_lanes *const first_wide_across,
+	const size_t step, const size_t lanes, const int known, const double *sines)
+{
+	(void)first_tau;
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const across = first_across + l;
+		rneagen_lanes *const wide_across = first_wide_across + l;
+
+		/* ---- out to link 0 "base_link" (fpass) ---- */
+		/* w = R'w_p + qd_w;  dw = R'dw_p + qdd_w + R'w_p x qd_w;  a = R'(a_p + U_p p) + dV + 2 R'w_p x V,  V =
+		   qd_v, 
+		   dV = qdd_v + qd_w x qd_v;  v = R'(v_p + w_p x p) + V;
+		   f = m a + U h;  n = I dw + w x I w + h x a */
+		const double q0qx = q[3*stride];
+		const double t1 = 2.0*q0qx;
+		const double q0qy = q[4*stride];
+		const double t2 = 2.0*q0qy;
+		const double q0qw = q[6*stride];
+		const double q0qz = q[5*stride];
+		const double t3 = RNEA_FMA(t2, -q0qw, q0qx*(2.0*q0qz));
+		const double qd0wz = qd[5*stride];
+		const double qd0vy = qd[stride];
+		const double qd0vz = qd[2*stride];
+		const double qd0wy = qd[4*stride];
+		const double qdd0vx = qdd[0];
+		const double a0x = RNEA_FMA(9.81, t3, RNEA_FMA(qd0wz, -qd0vy, qd0vz*qd0wy) + qdd0vx);
+		const double qd0wx = qd[3*stride];
+		const double qd0vx = qd[0];
+		const double qdd0vy = qdd[stride];
+		const double t4 = RNEA_FMA(qd0wx, -qd0vz, qd0vx*qd0wz) + qdd0vy;
+		const double a0y = RNEA_FMA(9.81, RNEA_FMA(q0qw, t1, q0qz*t2), t4);
+		const double qdd0vz = qdd[2*stride];
+		const double t5 = RNEA_FMA(qd0wy, -qd0vx, qd0vy*qd0wx) + qdd0vz;
+		const double a0z = RNEA_FMA(9.81, 1.0 - RNEA_FMA(q0qx, t1, q0qy*t2), t5);
+		const double t6 = qd0wy*qd0wz;
+		const double t7 = qd0wz*qd0wz;
+		const double t8 = qd0wy*qd0wy;
+		const double t9 = t7 + t8;
+		const double qdd0wx = qdd[3*stride];
+		const double t10 = t6 - qdd0wx;
+		const double t11 = qdd0wx + t6;
+		const double t12 = qd0wx*qd0wz;
+		const double t13 = qd0wx*qd0wx;
+		const double t14 = t7 + t13;
+		const double qdd0wy = qdd[4*stride];
+		const double t15 = t12 - qdd0wy;
+		const double t16 = qdd0wy + t12;
+		const double t17 = qd0wx*qd0wy;
+		const double qdd0wz = qdd[5*stride];
+		const double t18 = t17 - qdd0wz;
+		const double t21 = RNEA_FMA(-0.045020362359999996, t11, RNEA_FMA(0.00915326907852, t18,
+			RNEA_FMA(-7.814626778932237, t12, 8.695237318507763*qdd0wy)));
+		const double n0y = RNEA_FMA(-3.4189836000000002, a0z, 0.2200155852*a0x) + RNEA_FMA(-0.21587546426503998,
+			t7
+			- t13, t21);
+		across[0] = n0y;
+		const double t19 = qdd0wz + t17;
+		const double t22 = RNEA_FMA(-0.00915326907852, t16, RNEA_FMA(0.21587546426503998, t10,
+			RNEA_FMA(9.4163573089,
+			qdd0wz, 7.093506788539999*t17)));
+		const double f0y = RNEA_FMA(60.978001, a0y, RNEA_FMA(0.2200155852, t10, RNEA_FMA(-1.3106418, t14,
+			3.4189836000000002*t19)));
+		across[step] = f0y;
+		const rneagen_lanes t31 = a0y + RNEA_LANES_FMA(RNEA_LANES(-0.207, -0.207, 0.207, 0.207),
+			RNEA_SPLAT(t14),
+			RNEA_LANES(0.3735, -0.3735, 0.3735, -0.3735)*t19);
+		const double t20 = RNEA_FMA(-0.21587546426503998, t19, RNEA_FMA(0.045020362359999996, t15,
+			RNEA_FMA(1.6017305299677633, qdd0wx, 0.7211199903922375*t6)));
+		const double n0x = RNEA_FMA(-0.2200155852, a0y, 1.3106418*a0z) + RNEA_FMA(-0.00915326907852, t8 - t7,
+			t20);
+		across[2*step] = n0x;
+		const double n0z = RNEA_FMA(-1.3106418, a0x, 3.4189836000000002*a0y) + RNEA_FMA(-0.045020362359999996,
+			t13 - t8,
+			t22);
+		across[3*step] = n0z;
+		const double f0z = RNEA_FMA(60.978001, a0z, RNEA_FMA(-0.2200155852, t8 + t13, RNEA_FMA(1.3106418, t11,
+			3.4189836000000002*t15)));
+		across[4*step] = f0z;
+		const rneagen_lanes t32 = a0z + RNEA_LANES_FMA(RNEA_LANES(0.207, 0.207, -0.207, -0.207),
+			RNEA_SPLAT(t11),
+			RNEA_LANES(0.3735, -0.3735, 0.3735, -0.3735)*t15);
+		const double f0x = RNEA_FMA(60.978001, a0x, RNEA_FMA(0.2200155852, t16, RNEA_FMA(-3.4189836000000002,
+			t9,
+			1.3106418*t18)));
+		across[5*step] = f0x;
+		const rneagen_lanes t30 = a0x + RNEA_LANES_FMA(RNEA_LANES(-0.3735, 0.3735, -0.3735, 0.3735),
+			RNEA_SPLAT(t9),
+			RNEA_LANES(0.207, 0.207, -0.207, -0.207)*t18);
+
+		/* ---- out to link 1 "lf_hipassembly" (fpass) ---- */
+		/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);  v = R'(v_p + w_p x p);
+		   f = m a + U h;  n = I dw + w x I w + h x a */
+		const double q1 = q[7*stride];
+		double s1, c1;
+		all_small &= rneagen_sincos_known(q1, known, sines, &s1, &c1);
+		const double q4 = q[10*stride];
+		double s4, c4;
+		all_small &= rneagen_sincos_known(q4, known, sines + 6, &s4, &c4);
+		const double q7 = q[13*stride];
+		double s7, c7;
+		all_small &= rneagen_sincos_known(q7, known, sines + 12, &s7, &c7);
+		const double q10 = q[16*stride];
+		double s10, c10;
+		all_small &= rneagen_sincos_known(q10, known, sines + 18, &s10, &c10);
+		const rneagen_lanes t24 = RNEA_LANES(c1, c4, c7, c10);
+		wide_across[0] = t24;
+		const rneagen_lanes t23 = RNEA_LANES(s1, s4, s7, s10);
+		wide_across[step] = t23;
+		const double qd1 = qd[6*stride];
+		const double qd4 = qd[9*stride];
+		const double qd7 = qd[12*stride];
+		const double qd10 = qd[15*stride];
+		const rneagen_lanes t25 = RNEA_LANES(qd1, qd4, qd7, qd10);
+		const double qdd1 = qdd[6*stride];
+		const double qdd4 = qdd[9*stride];
+		const double qdd7 = qdd[12*stride];
+		const double qdd10 = qdd[15*stride];
+		const rneagen_lanes dw1z_wide = RNEA_LANES(qdd1, qdd4, qdd7, qdd10)
+			+ RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), RNEA_SPLAT(qdd0wz),
+			RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, -2.0682310711021444e-13, 0.0, 0.0),
+			RNEA_SPLAT(qdd0wy), RNEA_LANES(-1.0, -1.0, 1.0, 1.0)*qdd0wx));
+		wide_across[2*step] = dw1z_wide;
+		const rneagen_lanes t28 = RNEA_LANES_FMA(RNEA_LANES(-1.0127277222968137e-24, -1.0127277222968137e-24,
+			0.0, 0.0),
+			RNEA_SPLAT(qdd0wy), RNEA_LANES(-4.8965888601467475e-12, -4.8965888601467475e-12,
+				4.8965888601467475e-12,
+			4.8965888601467475e-12)*qdd0wx) - qdd0wz;
+		const rneagen_lanes t29 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), RNEA_SPLAT(qdd0wy),
+			RNEA_LANES(2.0682310711021444e-13, 2.0682310711021444e-13, 0.0, 0.0)*qdd0wx);
+		const rneagen_lanes t26 = RNEA_LANES_FMA(RNEA_LANES(-1.0127277222968137e-24, -1.0127277222968137e-24,
+			0.0, 0.0),
+			RNEA_SPLAT(qd0wy), RNEA_LANES(-4.8965888601467475e-12, -4.8965888601467475e-12,
+				4.8965888601467475e-12,
+			4.8965888601467475e-12)*qd0wx) - qd0wz;
+		const rneagen_lanes w1z_wide = t25 + RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12),
+			RNEA_SPLAT(qd0wz),
+			RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, -2.0682310711021444e-13, 0.0, 0.0),
+			RNEA_SPLAT(qd0wy), RNEA_LANES(-1.0, -1.0, 1.0, 1.0)*qd0wx));
+		wide_across[3*step] = w1z_wide;
+		const rneagen_lanes t27 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), RNEA_SPLAT(qd0wy),
+			RNEA_LANES(2.0682310711021444e-13, 2.0682310711021444e-13, 0.0, 0.0)*qd0wx);
+		const rneagen_lanes t33 = RNEA_LANES_FMA(RNEA_LANES(-1.0127277222968137e-24, -1.0127277222968137e-24,
+			0.0, 0.0),
+			t31, RNEA_LANES(-4.8965888601467475e-12, -4.8965888601467475e-12, 4.8965888601467475e-12,
+			4.8965888601467475e-12)*t30) - t32;
+		const rneagen_lanes a1z_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), t32,
+			RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, -2.0682310711021444e-13, 0.0, 0.0), t31,
+			RNEA_LANES(-1.0, -1.0, 1.0, 1.0)*t30));
+		const rneagen_lanes t34 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), t31,
+			RNEA_LANES(2.0682310711021444e-13, 2.0682310711021444e-13, 0.0, 0.0)*t30);
+		const rneagen_lanes w1x_wide = RNEA_LANES_FMA(t24, t26, t23*t27);
+		wide_across[4*step] = w1x_wide;
+		const rneagen_lanes w1y_wide = RNEA_LANES_FMA(t26, -t23, t24*t27);
+		wide_across[5*step] = w1y_wide;
+		const rneagen_lanes dw1x_wide = RNEA_LANES_FMA(t25, w1y_wide, RNEA_LANES_FMA(t24, t28, t23*t29));
+		wide_across[6*step] = dw1x_wide;
+		const rneagen_lanes dw1y_wide = RNEA_LANES_FMA(w1x_wide, -t25, RNEA_LANES_FMA(t28, -t23, t24*t29));
+		wide_across[7*step] = dw1y_wide;
+		const rneagen_lanes a1x_wide = RNEA_LANES_FMA(t24, t33, t23*t34);
+		const rneagen_lanes a1y_wide = RNEA_LANES_FMA(t33, -t23, t24*t34);
+		const rneagen_lanes t35 = w1y_wide*w1z_wide;
+		const rneagen_lanes t36 = w1z_wide*w1z_wide;
+		const rneagen_lanes t37 = w1y_wide*w1y_wide;
+		const rneagen_lanes t38 = t36 + t37;
+		const rneagen_lanes t39 = t35 - dw1x_wide;
+		const rneagen_lanes t40 = w1x_wide*w1z_wide;
+		const rneagen_lanes t41 = w1x_wide*w1x_wide;
+		const rneagen_lanes t42 = t40 - dw1y_wide;
+		const rneagen_lanes t43 = dw1y_wide + t40;
+		const rneagen_lanes t44 = w1x_wide*w1y_wide;
+		const rneagen_lanes t47 = RNEA_LANES_FMA(RNEA_SPLAT(5e-05), t44 - dw1z_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.14417575549), dw1y_wide, 0.12366627845599999*t40));
+		const rneagen_lanes t48 = RNEA_LANES_FMA(RNEA_LANES(-0.022737817929, 0.022737817929, 0.022737817929,
+			-0.022737817929), t36 - t41, RNEA_LANES_FMA(RNEA_LANES(-4e-05, 4e-05, 4e-05, -4e-05), dw1x_wide
+				+ t35,
+			t47));
+		const rneagen_lanes n1y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.12490590000000001), a1z_wide,
+			RNEA_LANES(0.49607829999999997, -0.49607829999999997, -0.49607829999999997,
+			0.49607829999999997)*a1x_wide) + t48;
+		wide_across[8*step] = n1y_wide;
+		const rneagen_lanes t45 = dw1z_wide + t44;
+		const rneagen_lanes t49 = RNEA_LANES_FMA(RNEA_SPLAT(-5e-05), t43,
+			RNEA_LANES_FMA(RNEA_LANES(0.022737817929,
+			-0.022737817929, -0.022737817929, 0.022737817929), t39,
+				RNEA_LANES_FMA(RNEA_SPLAT(0.011034738517),
+			dw1z_wide, 0.009474738517000002*t44)));
+		const rneagen_lanes f1y_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.93), a1y_wide,
+			RNEA_LANES_FMA(RNEA_LANES(0.49607829999999997, -0.49607829999999997, -0.49607829999999997,
+			0.49607829999999997), t39, 0.12490590000000001*t45));
+		wide_across[9*step] = f1y_wide;
+		const rneagen_lanes f1x_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.93), a1x_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.12490590000000001), t38, RNEA_LANES(0.49607829999999997,
+			-0.49607829999999997, -0.49607829999999997, 0.49607829999999997)*t43));
+		wide_across[10*step] = f1x_wide;
+		const rneagen_lanes t55 = RNEA_LANES_FMA(RNEA_SPLAT(-0.08), t38, a1x_wide);
+		wide_across[11*step] = t55;
+		const rneagen_lanes n1z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.12490590000000001), a1y_wide,
+			RNEA_LANES_FMA(RNEA_LANES(-4e-05, 4e-05, 4e-05, -4e-05), t41 - t37, t49));
+		wide_across[12*step] = n1z_wide;
+		const rneagen_lanes f1z_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.93), a1z_wide,
+			RNEA_LANES_FMA(RNEA_LANES(-0.49607829999999997, 0.49607829999999997, 0.49607829999999997,
+			-0.49607829999999997), t37 + t41, 0.12490590000000001*t42));
+		wide_across[13*step] = f1z_wide;
+		const rneagen_lanes t57 = RNEA_LANES_FMA(RNEA_SPLAT(0.08), t42, a1z_wide);
+		wide_across[14*step] = t57;
+		const rneagen_lanes t46 = RNEA_LANES_FMA(RNEA_LANES(-0.022737817929, 0.022737817929, 0.022737817929,
+			-0.022737817929), t45, RNEA_LANES_FMA(RNEA_LANES(4e-05, -4e-05, -4e-05, 4e-05), t42,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.133141016973), t35, 0.134701016973*dw1x_wide)));
+		const rneagen_lanes t56 = RNEA_LANES_FMA(RNEA_SPLAT(0.08), t45, a1y_wide);
+		wide_across[15*step] = t56;
+		const rneagen_lanes n1x_wide = RNEA_LANES_FMA(RNEA_LANES(-0.49607829999999997, 0.49607829999999997,
+			0.49607829999999997, -0.49607829999999997), a1y_wide, RNEA_LANES_FMA(RNEA_SPLAT(-5e-05), t37
+				- t36,
+			t46));
+		wide_across[16*step] = n1x_wide;
+
+		/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
+		const double q2 = q[8*stride];
+		double s2, c2;
+		all_small &= rneagen_sincos_known(q2, known, sines + 2, &s2, &c2);
+		const double q5 = q[11*stride];
+		double s5, c5;
+		all_small &= rneagen_sincos_known(q5, known, sines + 8, &s5, &c5);
+		const double q8 = q[14*stride];
+		double s8, c8;
+		all_small &= rneagen_sincos_known(q8, known, sines + 14, &s8, &c8);
+		const double q11 = q[17*stride];
+		double s11, c11;
+		all_small &= rneagen_sincos_known(q11, known, sines + 20, &s11, &c11);
+		const rneagen_lanes t51 = RNEA_LANES(c2, c5, c8, c11);
+		wide_across[17*step] = t51;
+		const rneagen_lanes t50 = RNEA_LANES(s2, s5, s8, s11);
+		wide_across[18*step] = t50;
+	}
+	return all_small;
+}
+
+/* Segment 1 of 2, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
+static RNEA_INLINE int hyq_rnea_beside_segment1(const double *first_q, const double *first_qd, const double *first_qdd,
+	double *first_tau, const size_t stride, double *const first_across, rneagen_lanes *const first_wide_across,
+	const size_t step, const size_t lanes, const int known, const double *sines)
+{
+	int all_small = 1;
+
+	RNEA_INDEPENDENT
+	for (size_t l = 0; l < lanes; l++) {
+		const double *const q = first_q + l;
+		const double *const qd = first_qd + l;
+		const double *const qdd = first_qdd + l;
+		double *const tau = first_tau + l;
+		double *const across = first_across + l;
+		rneagen_lanes *const wide_across = first_wide_across + l;
+		const double qd2 = qd[7*stride];
+		const double qd5 = qd[10*stride];
+		const double qd8 = qd[13*stride];
+		const double qd11 = qd[16*stride];
+		const rneagen_lanes t52 = RNEA_LANES(qd2, qd5, qd8, qd11);
+		const double qdd2 = qdd[7*stride];
+		const double qdd5 = qdd[10*stride];
+		const double qdd8 = qdd[13*stride];
+		const double qdd11 = qdd[16*stride];
+		const rneagen_lanes dw1z_wide = wide_across[2*step];
+		const rneagen_lanes dw1y_wide = wide_across[7*step];
+		const rneagen_lanes dw2z_wide = RNEA_LANES(qdd2, qdd5, qdd8, qdd11)
+			+ RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), dw1z_wide, RNEA_LANES(-1.0, -1.0, 1.0,
+			1.0)*dw1y_wide);
+		const rneagen_lanes t54 = RNEA_LANES_FMA(RNEA_LANES(1.0, 1.0, -1.0, -1.0), dw1z_wide,
+			4.8965888601467475e-12*dw1y_wide);
+		const rneagen_lanes w1z_wide = wide_across[3*step];
+		const rneagen_lanes w1y_wide = wide_across[5*step];
+		const rneagen_lanes t53 = RNEA_LANES_FMA(RNEA_LANES(1.0, 1.0, -1.0, -1.0), w1z_wide,
+			4.8965888601467475e-12*w1y_wide);
+		const rneagen_lanes w2z_wide = t52 + RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), w1z_wide,
+			RNEA_LANES(-1.0, -1.0, 1.0, 1.0)*w1y_wide);
+		const rneagen_lanes t57 = wide_across[14*step];
+		const rneagen_lanes t56 = wide_across[15*step];
+		const rneagen_lanes t58 = RNEA_LANES_FMA(RNEA_LANES(1.0, 1.0, -1.0, -1.0), t57,
+			4.8965888601467475e-12*t56);
+		const rneagen_lanes a2z_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), t57, RNEA_LANES(-1.0,
+			-1.0,
+			1.0, 1.0)*t56);
+		const rneagen_lanes w1x_wide = wide_across[4*step];
+		const rneagen_lanes t51 = wide_across[17*step];
+		const rneagen_lanes t50 = wide_across[18*step];
+		const rneagen_lanes w2x_wide = RNEA_LANES_FMA(w1x_wide, t51, t50*t53);
+		const rneagen_lanes w2y_wide = RNEA_LANES_FMA(t50, -w1x_wide, t51*t53);
+		const rneagen_lanes dw1x_wide = wide_across[6*step];
+		const rneagen_lanes dw2x_wide = RNEA_LANES_FMA(t52, w2y_wide, RNEA_LANES_FMA(dw1x_wide, t51, t50*t54));
+		const rneagen_lanes dw2y_wide = RNEA_LANES_FMA(w2x_wide, -t52, RNEA_LANES_FMA(t50, -dw1x_wide,
+			t51*t54));
+		const rneagen_lanes t55 = wide_across[11*step];
+		const rneagen_lanes a2x_wide = RNEA_LANES_FMA(t51, t55, t50*t58);
+		const rneagen_lanes a2y_wide = RNEA_LANES_FMA(t55, -t50, t51*t58);
+		const rneagen_lanes t59 = w2y_wide*w2z_wide;
+		const rneagen_lanes t60 = w2z_wide*w2z_wide;
+		const rneagen_lanes t61 = w2y_wide*w2y_wide;
+		const rneagen_lanes t62 = t60 + t61;
+		const rneagen_lanes t63 = dw2x_wide + t59;
+		const rneagen_lanes t64 = w2x_wide*w2z_wide;
+		const rneagen_lanes t65 = w2x_wide*w2x_wide;
+		const rneagen_lanes t66 = t64 - dw2y_wide;
+		const rneagen_lanes t67 = w2x_wide*w2y_wide;
+		const rneagen_lanes t68 = t67 - dw2z_wide;
+		const rneagen_lanes t69 = dw2z_wide + t67;
+		const rneagen_lanes t72 = RNEA_LANES_FMA(RNEA_LANES(-0.0001, 0.0001, -0.0001, 0.0001), t59 - dw2x_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.08986982744380001), dw2z_wide, 0.0816343336938*t67));
+		const rneagen_lanes t70 = RNEA_LANES_FMA(RNEA_LANES(0.0001, -0.0001, 0.0001, -0.0001), t69,
+			RNEA_LANES_FMA(RNEA_LANES(-0.00741836815, 0.00741836815, -0.00741836815, 0.00741836815), t66,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.005497746875), dw2x_wide, 0.0027377468750000005*t59)));
+		const rneagen_lanes n2x_wide = RNEA_LANES_FMA(RNEA_LANES(-0.06924749999999999, 0.06924749999999999,
+			-0.06924749999999999, 0.06924749999999999), a2z_wide, RNEA_LANES_FMA(RNEA_SPLAT(2e-05), t61
+				- t60,
+			t70));
+		const rneagen_lanes t73 = RNEA_LANES_FMA(RNEA_LANES(0.00741836815, -0.00741836815, 0.00741836815,
+			-0.00741836815), t65 - t61, RNEA_LANES_FMA(RNEA_SPLAT(2e-05), dw2y_wide + t64, t72));
+		const rneagen_lanes t71 = RNEA_LANES_FMA(RNEA_LANES(0.00741836815, -0.00741836815, 0.00741836815,
+			-0.00741836815), t63, RNEA_LANES_FMA(RNEA_SPLAT(-2e-05), t68,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.08437208056880001), t64, 0.08713208056880001*dw2y_wide)));
+		const rneagen_lanes f2x_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.638), a2x_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.39765212), t62, RNEA_LANES(-0.06924749999999999,
+				0.06924749999999999,
+			-0.06924749999999999, 0.06924749999999999)*t68));
+		const rneagen_lanes t77 = RNEA_LANES_FMA(RNEA_SPLAT(-0.35), t62, a2x_wide);
+		const rneagen_lanes n2z_wide = RNEA_LANES_FMA(RNEA_LANES(0.06924749999999999, -0.06924749999999999,
+			0.06924749999999999, -0.06924749999999999), a2x_wide, 0.39765212*a2y_wide) + t73;
+		const rneagen_lanes f2z_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.638), a2z_wide,
+			RNEA_LANES_FMA(RNEA_LANES(-0.06924749999999999, 0.06924749999999999, -0.06924749999999999,
+			0.06924749999999999), t63, 0.39765212*t66));
+		const rneagen_lanes a3z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.35), t66, a2z_wide);
+		const rneagen_lanes n2y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.39765212), a2z_wide,
+			RNEA_LANES_FMA(RNEA_LANES(0.0001, -0.0001, 0.0001, -0.0001), t60 - t65, t71));
+		const rneagen_lanes f2y_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.638), a2y_wide,
+			RNEA_LANES_FMA(RNEA_LANES(0.06924749999999999, -0.06924749999999999, 0.06924749999999999,
+			-0.06924749999999999), t60 + t65, 0.39765212*t69));
+		const rneagen_lanes t78 = RNEA_LANES_FMA(RNEA_SPLAT(0.35), t69, a2y_wide);
+
+		/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
+		const double q3 = q[9*stride];
+		double s3, c3;
+		all_small &= rneagen_sincos_known(q3, known, sines + 4, &s3, &c3);
+		const double q6 = q[12*stride];
+		double s6, c6;
+		all_small &= rneagen_sincos_known(q6, known, sines + 10, &s6, &c6);
+		const double q9 = q[15*stride];
+		double s9, c9;
+		all_small &= rneagen_sincos_known(q9, known, sines + 16, &s9, &c9);
+		const double q12 = q[18*stride];
+		double s12, c12;
+		all_small &= rneagen_sincos_known(q12, known, sines + 22, &s12, &c12);
+		const rneagen_lanes t75 = RNEA_LANES(c3, c6, c9, c12);
+		const rneagen_lanes t74 = RNEA_LANES(s3, s6, s9, s12);
+		const double qd3 = qd[8*stride];
+		const double qd6 = qd[11*stride];
+		const double qd9 = qd[14*stride];
+		const double qd12 = qd[17*stride];
+		const rneagen_lanes t76 = RNEA_LANES(qd3, qd6, qd9, qd12);
+		const rneagen_lanes w3z_wide = w2z_wide + t76;
+		const double qdd3 = qdd[8*stride];
+		const double qdd6 = qdd[11*stride];
+		const double qdd9 = qdd[14*stride];
+		const double qdd12 = qdd[17*stride];
+		const rneagen_lanes dw3z_wide = dw2z_wide + RNEA_LANES(qdd3, qdd6, qdd9, qdd12);
+		const rneagen_lanes w3x_wide = RNEA_LANES_FMA(w2x_wide, t75, w2y_wide*t74);
+		const rneagen_lanes w3y_wide = RNEA_LANES_FMA(t74, -w2x_wide, w2y_wide*t75);
+		const rneagen_lanes dw3x_wide = RNEA_LANES_FMA(t76, w3y_wide, RNEA_LANES_FMA(dw2x_wide, t75,
+			dw2y_wide*t74));
+		const rneagen_lanes dw3y_wide = RNEA_LANES_FMA(w3x_wide, -t76, RNEA_LANES_FMA(t74, -dw2x_wide,
+			dw2y_wide*t75));
+		const rneagen_lanes a3x_wide = RNEA_LANES_FMA(t75, t77, t74*t78);
+		const rneagen_lanes a3y_wide = RNEA_LANES_FMA(t77, -t74, t75*t78);
+		const rneagen_lanes t79 = w3y_wide*w3z_wide;
+		const rneagen_lanes t80 = w3z_wide*w3z_wide;
+		const rneagen_lanes t84 = w3x_wide*w3z_wide;
+		const rneagen_lanes t81 = w3y_wide*w3y_wide;
+		const rneagen_lanes t88 = w3x_wide*w3y_wide;
+		const rneagen_lanes t85 = w3x_wide*w3x_wide;
+		const rneagen_lanes t82 = t79 - dw3x_wide;
+		const rneagen_lanes t83 = dw3x_wide + t79;
+		const rneagen_lanes t86 = t84 - dw3y_wide;
+		const rneagen_lanes t87 = dw3y_wide + t84;
+		const rneagen_lanes t89 = t88 - dw3z_wide;
+		const rneagen_lanes t92 = RNEA_LANES_FMA(RNEA_LANES(5.6580903999995104e-05, -5.4580904000004895e-05,
+			5.6580903999995104e-05, -5.4580904000004895e-05), t83,
+				RNEA_LANES_FMA(RNEA_SPLAT(9.96476000009793e-07),
+			t89, RNEA_LANES_FMA(RNEA_SPLAT(-0.02571397686600003), t84, 0.026414994486000012*dw3y_wide)));
+		const rneagen_lanes f3x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.881001), a3x_wide,
+			RNEA_LANES_FMA(RNEA_LANES(-8.81e-05, 8.81e-05, -8.81e-05, 8.81e-05), t87,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.11047774600000002), t80 + t81, RNEA_LANES(3.524e-05, -3.524e-05,
+				3.524e-05,
+			-3.524e-05)*t89)));
+		const rneagen_lanes t93 = RNEA_LANES_FMA(RNEA_SPLAT(-9.96476000009793e-07), t87,
+			RNEA_LANES_FMA(RNEA_LANES(-4.774000000489742e-08, 2.0477399999951043e-06,
+				-4.774000000489742e-08,
+			2.0477399999951043e-06), t82, RNEA_LANES_FMA(RNEA_SPLAT(0.026184987085600013), dw3z_wide,
+			0.02594398426640003*t88)));
+		const rneagen_lanes t90 = dw3z_wide + t88;
+		const rneagen_lanes t91 = RNEA_LANES_FMA(RNEA_LANES(4.774000000489742e-08, -2.0477399999951043e-06,
+			4.774000000489742e-08, -2.0477399999951043e-06), t90,
+				RNEA_LANES_FMA(RNEA_LANES(-5.6580903999995104e-05,
+			5.4580904000004895e-05, -5.6580903999995104e-05, 5.4580904000004895e-05), t86,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.0002300074003999993), t79, 0.0004710102195999804*dw3x_wide)));
+		const rneagen_lanes f3z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.881001), a3z_wide,
+			RNEA_LANES_FMA(RNEA_LANES(8.81e-05, -8.81e-05, 8.81e-05, -8.81e-05), t81 + t85,
+			RNEA_LANES_FMA(RNEA_LANES(3.524e-05, -3.524e-05, 3.524e-05, -3.524e-05), t83,
+			0.11047774600000002*t86)));
+		const rneagen_lanes f2z_wide_2 = f2z_wide + f3z_wide;
+		const rneagen_lanes f3y_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.881001), a3y_wide,
+			RNEA_LANES_FMA(RNEA_LANES(-8.81e-05, 8.81e-05, -8.81e-05, 8.81e-05), t82,
+			RNEA_LANES_FMA(RNEA_LANES(-3.524e-05, 3.524e-05, -3.524e-05, 3.524e-05), t80 + t85,
+			0.11047774600000002*t90)));
+		const rneagen_lanes f2x_wide_2 = f2x_wide + RNEA_LANES_FMA(-t74, f3y_wide, t75*f3x_wide);
+		const rneagen_lanes t94 = RNEA_LANES_FMA(t74, f3x_wide, t75*f3y_wide);
+		const rneagen_lanes f2y_wide_2 = f2y_wide + t94;
+		const rneagen_lanes f1x_wide = wide_across[10*step];
+		const rneagen_lanes f1x_wide_2 = f1x_wide + RNEA_LANES_FMA(-t50, f2y_wide_2, t51*f2x_wide_2);
+		const rneagen_lanes t95 = RNEA_LANES_FMA(t50, f2x_wide_2, t51*f2y_wide_2);
+		const rneagen_lanes n3x_wide = RNEA_LANES_FMA(RNEA_LANES(8.81e-05, -8.81e-05, 8.81e-05, -8.81e-05),
+			a3y_wide,
+			RNEA_LANES(3.524e-05, -3.524e-05, 3.524e-05, -3.524e-05)*a3z_wide)
+			+ RNEA_LANES_FMA(RNEA_SPLAT(-9.96476000009793e-07), t81 - t80, t91);
+		const rneagen_lanes n3y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.11047774600000002), a3z_wide,
+			RNEA_LANES(-8.81e-05,
+			8.81e-05, -8.81e-05, 8.81e-05)*a3x_wide) + RNEA_LANES_FMA(RNEA_LANES(4.774000000489742e-08,
+			-2.0477399999951043e-06, 4.774000000489742e-08, -2.0477399999951043e-06), t80 - t85, t92);
+		const rneagen_lanes n3z_wide = RNEA_LANES_FMA(RNEA_LANES(-3.524e-05, 3.524e-05, -3.524e-05, 3.524e-05),
+			a3x_wide, 0.11047774600000002*a3y_wide) + RNEA_LANES_FMA(RNEA_LANES(5.6580903999995104e-05,
+			-5.4580904000004895e-05, 5.6580903999995104e-05, -5.4580904000004895e-05), t85 - t81, t93);
+		const rneagen_lanes n2z_wide_2 = n2z_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.35), t94, n3z_wide);
+		const rneagen_lanes n2y_wide_2 = n2y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.35), f3z_wide,
+			RNEA_LANES_FMA(t74,
+			n3x_wide, t75*n3y_wide));
+		const rneagen_lanes n2x_wide_2 = n2x_wide + RNEA_LANES_FMA(-t74, n3y_wide, t75*n3x_wide);
+		const rneagen_lanes n1x_wide = wide_across[16*step];
+		const rneagen_lanes n1x_wide_2 = n1x_wide + RNEA_LANES_FMA(-t50, n2y_wide_2, t51*n2x_wide_2);
+		const rneagen_lanes t96 = RNEA_LANES_FMA(t50, n2x_wide_2, t51*n2y_wide_2);
+		const double n3z = n3z_wide[0];
+		tau[8*stride] = n3z;
+
+		/* ---- back from link 3 "lf_lowerleg" to link 2 (bpass): torque of "lf_kfe_joint" ---- */
+		/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
+		const double n2z = n2z_wide_2[0];
+		tau[7*stride] = n2z;
+
+		/* ---- back from link 2 "lf_upperleg" to link 1 (bpass): torque of "lf_hfe_joint" ---- */
+		const rneagen_lanes t97 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), f2z_wide_2,
+			4.8965888601467475e-12*t95);
+		const rneagen_lanes t98 = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), f2z_wide_2, RNEA_LANES(1.0,
+			1.0,
+			-1.0, -1.0)*t95);
+		const rneagen_lanes n1y_wide = wide_across[8*step];
+		const rneagen_lanes n1y_wide_2 = n1y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.08), t98,
+			RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), n2z_wide_2, 4.8965888601467475e-12*t96));
+		const rneagen_lanes n1z_wide = wide_across[12*step];
+		const rneagen_lanes n1z_wide_2 = n1z_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.08), t97,
+			RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), n2z_wide_2, RNEA_LANES(1.0, 1.0, -1.0,
+				-1.0)*t96));
+		const rneagen_lanes f1y_wide = wide_across[9*step];
+		const rneagen_lanes f1y_wide_2 = f1y_wide + t97;
+		const rneagen_lanes f1z_wide = wide_across[13*step];
+		const rneagen_lanes f1z_wide_2 = f1z_wide + t98;
+		const double n1z = n1z_wide_2[0];
+		tau[6*stride] = n1z;
+
+		/* ---- back from link 1 "lf_hipassembly" to link 0 (bpass): torque of "lf_haa_joint" ---- */
+		const rneagen_lanes t23 = wide_across[step];
+		const rneagen_lanes t24 = wide_across[0];
+		const rneagen_lanes t99 = RNEA_LANES_FMA(-t23, f1y_wide_2, t24*f1x_wide_2);
+		const rneagen_lanes t100 = RNEA_LANES_FMA(t23, f1x_wide_2, t24*f1y_wide_2);
+		const rneagen_lanes t101 = RNEA_LANES_FMA(-t23, n1y_wide_2, t24*n1x_wide_2);
+		const rneagen_lanes t102 = RNEA_LANES_FMA(t23, n1x_wide_2, t24*n1y_wide_2);
+		const rneagen_lanes t103 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), f1z_wide_2,
+			RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 2.0682310711021444e-13, 0.0, 0.0), t100,
+			RNEA_LANES(-4.8965888601467475e-12, -4.8965888601467475e-12, 4.8965888601467475e-12,
+			4.8965888601467475e-12)*t99));
+		const rneagen_lanes t104 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, -2.0682310711021444e-13,
+			0.0,
+			0.0), f1z_wide_2, RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), t100,
+			RNEA_LANES(-1.0127277222968137e-24, -1.0127277222968137e-24, 0.0, 0.0)*t99));
+		const rneagen_lanes t105 = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), f1z_wide_2, -t99);
+		const double f0z = across[4*step];
+		const double f0z_2 = f0z + t105[0];
+		const double f0z_3 = f0z_2 + t105[1];
+		const double f0z_4 = f0z_3 + t105[2];
+		const double f0z_5 = f0z_4 + t105[3];
+		tau[2*stride] = f0z_5;
+		const double f0y = across[step];
+		const double f0y_2 = f0y + t104[0];
+		const double f0y_3 = f0y_2 + t104[1];
+		const double f0y_4 = f0y_3 + t104[2];
+		const double f0y_5 = f0y_4 + t104[3];
+		const rneagen_lanes t108 = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), n1z_wide_2, -t101)
+			+ RNEA_LANES_FMA(RNEA_LANES(-0.207, -0.207, 0.207, 0.207), t103, RNEA_LANES(0.3735, -0.3735,
+				0.3735,
+			-0.3735)*t104);
+		const double n0z = across[3*step];
+		const double n0z_2 = n0z + t108[0];
+		const double n0z_3 = n0z_2 + t108[1];
+		const double n0z_4 = n0z_3 + t108[2];
+		const double n0z_5 = n0z_4 + t108[3];
+		tau[5*stride] = n0z_5;
+		tau[stride] = f0y_5;
+		const double f0x = across[5*step];
+		const double f0x_2 = f0x + t103[0];
+		const double f0x_3 = f0x_2 + t103[1];
+		const double f0x_4 = f0x_3 + t103[2];
+		const double f0x_5 = f0x_4 + t103[3];
+		tau[0] = f0x_5;
+		const rneagen_lanes t106 = RNEA_LANES_FMA(RNEA_LANES(0.207, 0.207, -0.207, -0.207), t105,
+			RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), n1z_wide_2,
+			RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 2.0682310711021444e-13, 0.0, 0.0), t102,
+			RNEA_LANES(-4.8965888601467475e-12, -4.8965888601467475e-12, 4.8965888601467475e-12,
+			4.8965888601467475e-12)*t101)));
+		const rneagen_lanes t107 = RNEA_LANES_FMA(RNEA_LANES(-0.3735, 0.3735, -0.3735, 0.3735), t105,
+			RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, -2.0682310711021444e-13, 0.0, 0.0),
+				n1z_wide_2,
+			RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), t102, RNEA_LANES(-1.0127277222968137e-24,
+			-1.0127277222968137e-24, 0.0, 0.0)*t101)));
+		const double n0y = across[0];
+		const double n0y_2 = n0y + t107[0];
+		const double n0y_3 = n0y_2 + t107[1];
+		const double n0y_4 = n0y_3 + t107[2];
+		const double n0y_5 = n0y_4 + t107[3];
+		tau[4*stride] = n0y_5;
+		const double n0x = across[2*step];
+		const double n0x_2 = n0x + t106[0];
+		const double n0x_3 = n0x_2 + t106[1];
+		const double n0x_4 = n0x_3 + t106[2];
+		const double n0x_5 = n0x_4 + t106[3];
+		tau[3*stride] = n0x_5;
+
+		/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
+		const double n6z = n3z_wide[1];
+		tau[11*stride] = n6z;
+
+		/* ---- back from link 6 "lh_lowerleg" to link 5 (bpass): torque of "lh_kfe_joint" ---- */
+		const double n5z = n2z_wide_2[1];
+		tau[10*stride] = n5z;
+
+		/* ---- back from link 5 "lh_upperleg" to link 4 (bpass): torque of "lh_hfe_joint" ---- */
+		const double n4z = n1z_wide_2[1];
+		tau[9*stride] = n4z;
+
+		/* ---- out to link 9 "rf_lowerleg" (fpass) ---- */
+		const double n9z = n3z_wide[2];
+		const double n12z = n3z_wide[3];
+		tau[17*stride] = n12z;
+		tau[14*stride] = n9z;
+
+		/* ---- back from link 9 "rf_lowerleg" to link 8 (bpass): torque of "rf_kfe_joint" ---- */
+		const double n8z = n2z_wide_2[2];
+		const double n11z = n2z_wide_2[3];
+		tau[16*stride] = n11z;
+		tau[13*stride] = n8z;
+
+		/* ---- back from link 8 "rf_upperleg" to link 7 (bpass): torque of "rf_hfe_joint" ---- */
+		const double n7z = n1z_wide_2[2];
+		const double n10z = n1z_wide_2[3];
+		tau[15*stride] = n10z;
+		tau[12*stride] = n7z;
+
+		/* ---- back from link 0 "base_link" to the world (bpass) ---- */
+		/* f_p += R f;  n_p += R n + p x R f;  tau = (f, n) */
+	}
+	return all_small;
+}
+
+#endif
 /* Segment 0 of 4, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int hyq_fpass_segment0(const double *first_q, const double *first_qd, const double *first_qdd,
 	double *first_v, double *first_a, double *first_f, const size_t stride, double *const first_across,
@@ -2969,9 +3567,48 @@ static void hyq_rnea_part(const double *restrict q, const double *restrict qd, c
 	}
 }
 
+#if defined RNEA_LANES
+static RNEA_ALONE void hyq_rnea_beside_one0(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, rneagen_lanes *const wide_across, const int known,
+	const double *sines)
+{
+	hyq_rnea_beside_segment0(q, qd, qdd, tau, stride, across, wide_across, 1, 1, known, sines);
+}
+
+static RNEA_ALONE void hyq_rnea_beside_one1(const double *q, const double *qd, const double *qdd, double *tau,
+	const size_t stride, double *const across, rneagen_lanes *const wide_across, const int known,
+	const double *sines)
+{
+	hyq_rnea_beside_segment1(q, qd, qdd, tau, stride, across, wide_across, 1, 1, known, sines);
+}
+
+/* One sample, in lanes: a batch has none, so that its bits do not go by how it is divided. */
+static void hyq_rnea_beside_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride,
+	const int known, const double *sines)
+{
+	double across[6];
+	rneagen_lanes wide_across[19];
+
+	hyq_rnea_beside_one0(q, qd, qdd, tau, stride, across, wide_across, known, sines);
+	hyq_rnea_beside_one1(q, qd, qdd, tau, stride, across, wide_across, known, sines);
+}
+
+static void hyq_rnea_beside_any(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride)
+{
+	double sines[24];
+
+	hyq_rnea_sines(q, stride, sines);
+	hyq_rnea_beside_body(q, qd, qdd, tau, stride, 1, sines);
+}
+#endif
+
 void hyq_rnea(const double *q, const double *qd, const double *qdd, double *tau)
 {
+#if defined RNEA_LANES
+	hyq_rnea_beside_any(q, qd, qdd, tau, 1);
+#else
 	hyq_rnea_any(q, qd, qdd, tau, 1);
+#endif
 }
 
 void hyq_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end)

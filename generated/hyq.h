@@ -9,6 +9,8 @@
  *   bpass: 56 mul, 72 add, 8 sub, 29 neg, 116 fma, 12 sincos = 368 flops
  *   rnea is in 4 segments, each for several samples before the next; 34 values go across cuts
  *   fpass is in 4 segments, each for several samples before the next; 40 values go across cuts
+ *   With vectors of 4 numbers a sample alone runs rnea_beside: 2 segments in lanes; its last bits may not be
+ *   those of a batch. -DRNEA_NO_LANES leaves it out.
  *
  * Joints:
  *   q[0..6] qd[0..5] floating base
@@ -45,6 +47,7 @@
  *   f                force: the link's own, then with its children's
  *   n                moment about the origin, as f
  *   t                with a number of its own: a value that has no name in the textbook
+ *   ..._wide         the same quantity of several limbs or coordinates side by side: lanes
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
  *   across step      values that one segment leaves for another; from one of them to the next

@@ -80,7 +80,8 @@ static int is_left(const struct plan *p, size_t node)
 {
 	const struct node *n = &p->dag->nodes[node];
 
-	return n->op == OP_INPUT && p->dag->arguments[n->arg[0].i].is_output && !strncmp(p->names[node], "tau", 3);
+	return n->op == OP_INPUT && p->dag->arguments[n->arg[0].i].is_output &&
+		!strncmp(p->names[node], argument_of(p, node), strlen(argument_of(p, node)));
 }
 
 static int is_own_wrench(const struct plan *p, size_t node)
@@ -148,13 +149,20 @@ static void put_quantities(const struct emission *e, struct text *out)
 		put_entry("..._2 ..._3", "the same quantity again, as it grows or in another part of the text", out);
 }
 
+static const char *last_array(const struct emission *e)
+{
+	const struct dag *d = &emit_main(e)->dag;
+
+	return d->arguments[d->argument_count - 1].name;
+}
+
 static void put_functions(const struct emission *e, struct text *out)
 {
 	put_entry("stride", "from one row of an array to the next", out);
 	if (emit_hands(e) && somewhere(e, is_left))
-		put_entry("tau", "what a hand left in the row of the link's joint", out);
+		put_entry(last_array(e), "what a hand left in the row of the link's joint", out);
 	if (emit_hands(e))
-		put_entry("handed gap step", "what hands left in tau; rows that a part's slice lacks; from one row of handed to the next", out);
+		put_entry("handed gap step", "what hands left in the last array; rows that a part's slice lacks; from one row of handed to the next", out);
 	if (emit_is_apart(e) && e->parts->pass.stretches->period)
 		put_entry("skip", "from one row of the vjp to its next for qd, or qdd, where it stands where these were", out);
 	if (emit_has_segments(e))

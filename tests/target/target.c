@@ -175,8 +175,8 @@ void target_open(struct target *t, const char *urdf, size_t length, const struct
 	const struct compiler *c, const char *stem)
 {
 	struct target_path library = target_path(stem, ".so"), source = target_path(stem, "_with_sincos.c");
-	const char *argv[24] = {c->command, "-std=c11", WARNING_FLAGS, "-fPIC", "-shared", "-o", library.s, source.s};
-	int n = 12;
+	const char *argv[24] = {c->command, "-std=c11", WARNING_FLAGS, "-DRNEA_NO_LANES", "-fPIC", "-shared", "-o", library.s, source.s};
+	int n = 13;
 
 	target_generate(t, urdf, length, o, stem);
 	snprintf(t->stem, sizeof t->stem, "%s", stem);

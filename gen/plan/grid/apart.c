@@ -272,18 +272,18 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	return 1;
 }
 
-/* Does no part take more than half of what the whole takes, or two thirds where that spills much, and write all rows of the slices
-   that it stages? */
+/* Does no part take more than half of what the whole takes, or two thirds where that spills much, or motion is made again, and write all
+   rows of the slices that it stages? */
 static int do_serve(const struct part *parts, int count, int is_full, const struct parts_of *x, struct arena *a)
 {
-	unsigned whole = plan_flops(plan_operations(&x->whole->plan)), most = is_full ? whole / 3 * 2 : whole / 2;
+	unsigned whole = plan_flops(plan_operations(&x->whole->plan)), most = is_full || again_serves(x) ? whole / 3 * 2 : whole / 2;
 
 	if (are_staged(parts, count, x->options) && !are_written(parts, count))
 		return 0;
 	for (const struct part *p = parts; p < parts + count; p++)
 		if (plan_flops(plan_operations(&p->pass.plan)) > most)
 			return 0;
-	return turns_serve(parts, count, x->tree->nv, a);
+	return turns_serve(parts, count, x->raw->arguments[x->raw->argument_count - 1].rows, a);
 }
 
 static int make_parts(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)

@@ -2,12 +2,17 @@
 #include <string.h>
 
 /* Operations of the whole, and of a hand. H100, 1 M samples, ps, one kernel and two: g1_brainco, 9010 operations, f64 2447 and 1064,
-   in aos 3745 and 1515; but f32 462 and 522, and in aos, where the rows of a part stand apart, 663 and 1091. */
-enum { LEAST = 5000, LEAST_HAND = 500 };
+   in aos 3745 and 1515; but f32 462 and 522, and in aos, where the rows of a part stand apart, 663 and 1091. With the vjp in f64, whole
+   or in parts of limbs, and so: jvrc1, whose hands have 1131 operations, 2943 and 1401, g1_brainco, 5500 to 5800, 8222 and 5780; but
+   romeo, whose neck has 686, 898 and 912. */
+enum { LEAST = 5000, LEAST_HAND = 500, LEAST_HAND_PRODUCT = 1000 };
 
 /* Values at once of the whole, beyond which f32 has hands too, and parts need no room in shared memory; joints of an arm that one
    part may hold. H100, 1 M samples, ps, chain_75 whole and so: f32 2572 and 1120, f64 7761 and 2961, in aos 9915 and 4626. */
 enum { FULL = 300, LONGEST_SINGLE = 30, LONGEST_DOUBLE = 16 };
+
+/* What a node is made of. */
+enum { CONSTANT, OWN, OTHERS };
 
 struct finder {
 	const struct parts_of *x;
@@ -16,8 +21,8 @@ struct finder {
 	struct arena *a;
 	int *children;        /* by body */
 	unsigned char *taken; /* by body: 1 + the level of the hand that has it */
-	unsigned char *rows;  /* by row of tau: it belongs to a hand, or is taken by what one hands on */
-	unsigned char *beyond, *from, *to;
+	unsigned char *rows;  /* by row of the last array: it belongs to a hand, or is taken by what one hands on */
+	unsigned char *beyond, *from, *to, *kind, *meets; /* by node */
 };
 
 /* ---- which bodies carry a hand ---- */
@@ -41,15 +46,31 @@ static int mark_rows(struct finder *f, const struct hand *m, unsigned char *own)
 	return 1;
 }
 
-/* Rows of the arm, from the hand on, for what is handed on. Returns 0 where there are too few. */
+/* What is handed on stands in the last array. */
+static int handed(const struct dag *d)
+{
+	return d->argument_count - 1;
+}
+
+static int handed_rows(const struct finder *f)
+{
+	return f->d->arguments[handed(f->d)].rows;
+}
+
+/* Rows of the arm for what is handed on, one for each joint, of a vjp three: those that are written last, which are nearest to the hand
+   for torques, and farthest for a vjp, whose lines go by rows. Returns 0 where there are too few. */
 static int choose_rows(struct finder *f, struct hand *m)
 {
-	const struct body *bodies = f->x->tree->bodies;
-	int count = 0;
+	const struct tree *t = f->x->tree;
+	int *arm = arena_alloc(f->a, (size_t)t->body_count, sizeof *arm), joints = 0, count = 0, is_vjp = handed_rows(f) > t->nv;
 
-	for (int k = m->body; k >= 0 && count < m->cut.count; k = bodies[k].parent)
-		if (is_single(&bodies[k]) && !f->rows[bodies[k].iv])
-			m->rows[count++] = bodies[k].iv;
+	for (int k = m->body; k >= 0 && arm; k = t->bodies[k].parent)
+		if (is_single(&t->bodies[k]))
+			arm[joints++] = t->bodies[k].iv;
+	for (int i = 0; i < joints; i++)
+		for (int row = arm[is_vjp ? joints - 1 - i : i]; row < handed_rows(f) && count < m->cut.count; row += t->nv)
+			if (!f->rows[row])
+				m->rows[count++] = row;
 	return count > 0 && count == m->cut.count;
 }
 
@@ -63,7 +84,7 @@ static unsigned operations_of(struct finder *f, const struct hand *m, const unsi
 	for (int i = 0; i < m->cut.count; i++)
 		f->to[m->cut.nodes[i]] = 1;
 	for (size_t i = 0; i < d->output_count; i++)
-		f->to[d->outputs[i].value.i] |= own[d->outputs[i].row];
+		f->to[d->outputs[i].value.i] |= own[d->outputs[i].row % f->x->tree->nv];
 	dag_mark_operands(d, d->count, f->to);
 	for (size_t i = 0; i < d->count; i++) {
 		f->beyond[i] = f->from[i];
@@ -72,6 +93,33 @@ static unsigned operations_of(struct finder *f, const struct hand *m, const unsi
 		count += f->beyond[i] && f->to[i];
 	}
 	return count;
+}
+
+/* An input of the hand's joints. */
+static int is_own_input(const struct finder *f, const struct node *n, const unsigned char *own)
+{
+	const struct argument *a = n->op == OP_INPUT && n->arg[0].i < DAG_ARGUMENTS ? &f->d->arguments[n->arg[0].i] : NULL;
+
+	return a && role_rows(a->role) != ROWS_ANY && a->rows == f->x->tree->nv && own[n->arg[1].i];
+}
+
+/* Where what is made of the hand's inputs alone meets anything else: what is handed on is beyond, or else a hand of few joints would hand
+   on its inputs. */
+static void mark_meetings(struct finder *f)
+{
+	const struct dag *d = f->d;
+
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+		int own = f->from[i], others = n->op == OP_INPUT && !own;
+
+		for (int k = 0; k < op_arity[n->op]; k++) {
+			own |= f->kind[n->arg[k].i] == OWN;
+			others |= f->kind[n->arg[k].i] == OTHERS;
+		}
+		f->kind[i] = others ? OTHERS : own ? OWN : CONSTANT;
+		f->meets[i] = own && others;
+	}
 }
 
 /* Returns 0 when memory runs out; a hand that is none has no cut. */
@@ -83,18 +131,14 @@ static int cut_hand(struct finder *f, struct hand *m, unsigned char *own)
 	if (!mark_rows(f, m, own))
 		return 1;
 	memset(f->to, 0, d->count);
-	for (size_t i = 0; i < d->count; i++) {
-		const struct node *n = &d->nodes[i];
-
-		f->from[i] = n->op == OP_INPUT && n->arg[0].i < DAG_ARGUMENTS &&
-			role_rows(d->arguments[n->arg[0].i].role) != ROWS_ANY && d->arguments[n->arg[0].i].rows == f->x->tree->nv &&
-			own[n->arg[1].i];
-	}
+	for (size_t i = 0; i < d->count; i++)
+		f->from[i] = (unsigned char)is_own_input(f, &d->nodes[i], own);
 	for (size_t i = 0; i < d->output_count; i++)
-		f->to[d->outputs[i].value.i] |= !own[d->outputs[i].row];
-	if (!cut_find(&m->cut, d, f->from, f->to, f->a))
+		f->to[d->outputs[i].value.i] |= !own[d->outputs[i].row % f->x->tree->nv];
+	mark_meetings(f);
+	if (!cut_find(&m->cut, d, f->meets, f->to, f->a))
 		return 0;
-	if (!choose_rows(f, m) || operations_of(f, m, own) < LEAST_HAND)
+	if (!choose_rows(f, m) || operations_of(f, m, own) < (handed_rows(f) > f->x->tree->nv ? LEAST_HAND_PRODUCT : LEAST_HAND))
 		m->cut.count = 0;
 	return 1;
 }
@@ -110,8 +154,8 @@ static int try_hand(struct finder *f, int body, int first, int end, unsigned cha
 	if (!m->cut.count)
 		return 1;
 	memset(f->taken + first, 1 + m->level, (size_t)(end - first));
-	for (int row = 0; row < f->x->tree->nv; row++)
-		f->rows[row] |= own[row];
+	for (int row = 0; row < handed_rows(f); row++)
+		f->rows[row] |= own[row % f->x->tree->nv];
 	for (int i = 0; i < m->cut.count; i++)
 		f->rows[m->rows[i]] = 1;
 	f->h->count++;
@@ -216,10 +260,10 @@ static int find_ends(struct finder *f, unsigned char *own)
 
 /* ---- what the kernels make ---- */
 
-/* The hand that writes the torque of a row, the first that has it; -1: none does. */
-static int hand_of(const struct hands *h, const struct tree *t, int row)
+/* The hand that writes a row of an output, the first that has it; -1: none does. */
+static int hand_of(const struct hands *h, const struct tree *t, int of)
 {
-	int body = -1;
+	int body = -1, row = of % t->nv;
 
 	for (int k = 0; k < t->body_count && body < 0; k++)
 		if (joint_nv(t->bodies[k].type) && t->bodies[k].iv <= row && row < t->bodies[k].iv + joint_nv(t->bodies[k].type))
@@ -249,7 +293,7 @@ static int share_outputs(struct finder *f, struct hand_level *level, int begin)
 		for (int i = 0; i < h->list[k].cut.count; i++) {
 			level->owner[level->first.output_count] = k;
 			outputs[level->first.output_count++] =
-				(struct output){d->outputs[0].argument, h->list[k].rows[i], {h->list[k].cut.nodes[i]}};
+				(struct output){handed(d), h->list[k].rows[i], {h->list[k].cut.nodes[i]}};
 		}
 	return 1;
 }
@@ -270,7 +314,7 @@ static int make_rest(struct finder *f, struct hand_level *level, int begin)
 		for (int i = 0; i < h->list[k].cut.count; i++) {
 			struct node *n = &read.nodes[h->list[k].cut.nodes[i]];
 
-			*n = (struct node){.op = OP_INPUT, .arg = {{(uint32_t)d->outputs[0].argument}, {(uint32_t)h->list[k].rows[i]}},
+			*n = (struct node){.op = OP_INPUT, .arg = {{(uint32_t)handed(d)}, {(uint32_t)h->list[k].rows[i]}},
 				.tag = n->tag};
 		}
 	if (!share_begin(&share, &read, level->owner, f->a))
@@ -279,18 +323,27 @@ static int make_rest(struct finder *f, struct hand_level *level, int begin)
 	return !level->rest.failed;
 }
 
-/* tau alone, since its rows hold what is handed on; not in mixed precision, where a row has fewer bits; in f32 where the whole is
-   full. Which of two products is joined to their sum goes by how often each is used, which two kernels count anew: so not where the same
+/* tau alone, or in soa in f64 with its vjp, since rows hold what is handed on. */
+static int has_rows(const struct parts_of *x)
+{
+	const struct rneagen_options *o = x->options;
+	const struct dag *d = x->raw;
+	int has_tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1) >= 0, has_vjp = dag_find_role(d, ROLE_VJP, 1) == handed(d), outputs = 0;
+
+	for (int i = 0; i < d->argument_count; i++)
+		outputs += d->arguments[i].is_output;
+	if (has_vjp && (o->layout != RNEAGEN_SOA || o->precision != RNEAGEN_F64))
+		return 0;
+	return outputs > 0 && outputs == has_tau + has_vjp;
+}
+
+/* Not in mixed precision, where a row has fewer bits; in f32 where the whole is full. Which of two products is joined to their sum goes by how often each is used, which two kernels count anew: so not where the same
    bits are wanted. Says whether the whole is full. */
 static int may_have(struct hands *h, const struct parts_of *x, struct arena *a)
 {
 	const struct rneagen_options *o = x->options;
-	int outputs = 0, tau = dag_find_role(x->raw, ROLE_JOINT_TORQUE, 1);
 
-	for (int i = 0; i < x->raw->argument_count; i++)
-		outputs += x->raw->arguments[i].is_output;
-	if (o->strict || (o->precision == RNEAGEN_F32 && o->layout == RNEAGEN_AOS) || outputs != 1 || tau < 0 ||
-		x->tree->nq != x->tree->nv)
+	if (o->strict || (o->precision == RNEAGEN_F32 && o->layout == RNEAGEN_AOS) || !has_rows(x) || x->tree->nq != x->tree->nv)
 		return 0;
 	if (plan_flops(plan_operations(&x->whole->plan)) < LEAST)
 		return 0;
@@ -308,6 +361,8 @@ static int find_level(struct finder *f, int (*find)(struct finder *f, unsigned c
 	f->beyond = arena_alloc(f->a, f->d->count, 1);
 	f->from = arena_alloc(f->a, f->d->count, 1);
 	f->to = arena_alloc(f->a, f->d->count, 1);
+	f->kind = arena_alloc(f->a, f->d->count, 1);
+	f->meets = arena_alloc(f->a, f->d->count, 1);
 	if (f->a->failed || !find(f, own))
 		return 0;
 	if (h->count == begin)
@@ -321,7 +376,7 @@ static int find_level(struct finder *f, int (*find)(struct finder *f, unsigned c
 
 int hands_find(struct hands *h, const struct parts_of *x, struct arena *a)
 {
-	size_t bodies = (size_t)x->tree->body_count, rows = (size_t)x->tree->nv + 1;
+	size_t bodies = (size_t)x->tree->body_count, rows = (size_t)x->raw->arguments[handed(x->raw)].rows + 1;
 	struct finder f = {.x = x, .d = x->raw, .h = h, .a = a};
 	unsigned char *own = arena_alloc(a, rows, 1);
 	int count;

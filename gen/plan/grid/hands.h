@@ -1,8 +1,9 @@
 #ifndef RNEAGEN_HANDS_H
 #define RNEAGEN_HANDS_H
-/* Torques of a robot with hands by several kernels, one after the other. The first has a part for each hand: what lies beyond a body
+/* Torques of a robot with hands, in soa in f64 also with their vjp, by several kernels, one after the other. The first has a part for each hand: what lies beyond a body
    that carries several others, such as the fingers beyond a palm. It makes the motion of the arm anew, writes the torques of the hand,
-   and leaves what the hand hands on, the six numbers of a force, in rows of tau that belong to the arm. The last reads these numbers
+   and leaves what the hand hands on, the six numbers of a force and twelve more for a vjp, in rows of the last array that belong to
+   the arm. The last reads these numbers
    before it writes the rows. So no thread holds an arm and a hand at once. Where an arm is as long as a snake, its end is a hand in
    its turn, in one more kernel between both, and so on. */
 
@@ -17,7 +18,7 @@ struct hand {
 	int first, last;    /* bodies of it, but for those of hands before */
 	int level;          /* the kernel of which it is a part */
 	struct cut cut;     /* nodes of what its kernel is made from: what it hands on */
-	int rows[CUT_MOST]; /* of tau: where that stands meanwhile */
+	int rows[CUT_MOST]; /* of the last array: where that stands meanwhile */
 };
 
 /* What the hands of one kernel leave undone. */

@@ -1,7 +1,7 @@
 #include "plan/grid/turns.h"
 #include <limits.h>
 
-/* By part and row of tau: it is stored, or read from where another part has left it. */
+/* By part and row of the last array: it is stored, or read from where another part has left it. */
 struct turns {
 	const struct part *parts;
 	int count, rows;
@@ -14,7 +14,7 @@ static int kernel_of(const struct part *p)
 	return p->is_hand ? p->level : INT_MAX;
 }
 
-/* The row of tau that the line reads; -1: it reads none. */
+/* The row of it that the line reads; -1: it reads none. */
 static int row_read(const struct plan *p, const struct line *l)
 {
 	const struct node *n = &p->dag->nodes[l->value.i];
@@ -35,7 +35,7 @@ static int mark(struct turns *x, int part)
 			return 0;
 		if (row >= 0)
 			reads[row] = 1;
-		if (l->kind == LINE_STORE)
+		if (l->kind == LINE_STORE && p->dag->outputs[l->index].argument == p->dag->argument_count - 1)
 			stores[p->dag->outputs[l->index].row] = 1;
 	}
 	return 1;
