@@ -121,7 +121,7 @@ below */
 #endif
 
 
-/* limbs or coordinates side by side: vectors of two numbers, where a compiler has them and the machine computes several at once */
+/* limbs or coordinates side by side: vectors of two numbers, where a compiler has them */
 #if defined __GNUC__ && defined __SSE2__ && !defined RNEA_NO_LANES && !defined __CUDACC__ && !defined __NVCOMPILER
 #undef rneagen_lanes
 #undef RNEA_LANES

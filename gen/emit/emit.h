@@ -228,9 +228,9 @@ void emit_segments_part(const struct emission *e, const struct pass *p, const ch
 void emit_lanes_call_bodies(const struct emission *e, const struct pass *p, struct text *out);
 void emit_lanes_call(const struct emission *e, const struct pass *p, const char *call_any, struct text *out);
 
-/* The arrays of what goes across cuts, or the one that there is: as parameters; the same where compilers are to know that they overlap
-   nothing; as those of a segment, for its first sample; their names; their declarations with room for a sample, or for some lanes; in a
-   kernel, for all threads; where a thread's sample has them. And bytes of a sample. */
+/* The arrays of what goes across cuts, or the one that there is: as parameters; the same where compilers are to know that they
+   overlap nothing; as those of a segment, for its first sample; their names; their declarations with room for a sample, or for some
+   lanes; in a kernel, for all threads; where a thread's sample has them. And bytes of a sample. */
 enum across_form { ACROSS_PARAMETER, ACROSS_RESTRICT, ACROSS_FIRST, ACROSS_NAME, ACROSS_LOCAL, ACROSS_LANES, ACROSS_SHARED,
 	ACROSS_AT_THREAD };
 const char *emit_across(const struct emission *e, const struct segments *s, enum across_form form);

@@ -162,7 +162,8 @@ static void put_functions(const struct emission *e, struct text *out)
 	if (emit_hands(e) && somewhere(e, is_left))
 		put_entry(last_array(e), "what a hand left in the row of the link's joint", out);
 	if (emit_hands(e))
-		put_entry("handed gap step", "what hands left in the last array; rows that a part's slice lacks; from one row of handed to the next", out);
+		put_entry("handed gap step",
+			"what hands left in the last array; rows that a part's slice lacks; from a row of handed to the next", out);
 	if (emit_is_apart(e) && e->parts->pass.stretches->period)
 		put_entry("skip", "from one row of the vjp to its next for qd, or qdd, where it stands where these were", out);
 	if (emit_has_segments(e))

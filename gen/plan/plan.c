@@ -64,10 +64,12 @@ static void weigh(struct planner *b, size_t i)
 /* What lanes are made of, and what has lanes, have names; so has a lane that a loop reads. */
 static void name_parts(struct planner *b, const struct node *n, int is_in_loop)
 {
+	int has_parts = n->op == OP_PAIR || n->op == OP_PACK || n->op >= OP_LANE0;
+
 	for (int k = 0; k < op_arity[n->op]; k++) {
 		enum op op = b->d->nodes[n->arg[k].i].op;
 
-		if (op != OP_CONST && op != OP_PAIR && (n->op == OP_PAIR || n->op == OP_PACK || n->op >= OP_LANE0 || (is_in_loop && op >= OP_LANE0)))
+		if (op != OP_CONST && op != OP_PAIR && (has_parts || (is_in_loop && op >= OP_LANE0)))
 			b->named[n->arg[k].i] = 1;
 	}
 }

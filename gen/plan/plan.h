@@ -73,7 +73,7 @@ struct pass {
 	struct windows windows;
 	struct limbs limbs;
 	const struct stretches *stretches; /* of a part that shares nothing with the others (grid/apart.h): its rows; NULL: it may */
-	const struct pass *beside; /* target C: what a call for one sample runs, in lanes (lanes/lanes.h), where the compiler has vectors */
+	const struct pass *beside; /* target C: what a call for one sample runs, in lanes (lanes/lanes.h), where compilers have vectors */
 	int lanes_in_batches;      /* so does what a batch leaves over: nothing promises its bits */
 	const struct pass *single; /* target C: in segments too, and what a call for one sample runs instead; NULL: nothing else */
 	const struct pass *many;   /* the same for batches */

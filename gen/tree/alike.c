@@ -51,7 +51,8 @@ static int is_twin(const struct finder *f, int root, int a, int shift)
 	const struct body *x = &t->bodies[a], *y = x + shift;
 
 	return is_hinge(x) && x->type == y->type && x->axis == y->axis && (f->may_turn || x->sign == y->sign) &&
-		y->parent - x->parent == (a == root ? 0 : shift) && f->end[a + shift] - f->end[a] == shift && follow_alike(t, a, a + shift, shift);
+		y->parent - x->parent == (a == root ? 0 : shift) && f->end[a + shift] - f->end[a] == shift &&
+		follow_alike(t, a, a + shift, shift);
 }
 
 /* Is no row of a joint of these bodies another body's too? */
@@ -78,13 +79,13 @@ static int are_alike(const struct finder *f, int first, int other)
 static int find_group(const struct finder *f, int first, const unsigned char *taken, struct alike_group *g)
 {
 	const struct tree *t = f->t;
-	int count = 1;
+	int count = 1, parent = t->bodies[first].parent;
 
 	*g = (struct alike_group){f->end[first] - first, {first}};
 	if (!has_own_rows(t, first, f->end[first]))
 		return 0;
-	for (int i = f->end[first]; i < t->body_count && t->bodies[i].parent >= t->bodies[first].parent && count < f->limbs; i = f->end[i])
-		if (!taken[i] && t->bodies[i].parent == t->bodies[first].parent && are_alike(f, first, i))
+	for (int i = f->end[first]; i < t->body_count && t->bodies[i].parent >= parent && count < f->limbs; i = f->end[i])
+		if (!taken[i] && t->bodies[i].parent == parent && are_alike(f, first, i))
 			g->first[count++] = i;
 	return count == f->limbs;
 }
@@ -229,7 +230,8 @@ static int differs(const struct constants *x, int i)
 	return 0;
 }
 
-/* Numbers that differ from limb to limb know their limb, counted on from `first`. What is the same number in each limb is of one kind. */
+/* Numbers that differ from limb to limb know their limb, counted on from `first`. What is the same number in each limb is of one
+   kind. */
 static void tell(const struct constants *x, int first, unsigned kinds)
 {
 	for (int i = 0; i < x->count; i++) {

@@ -21,8 +21,8 @@ struct alike {
 };
 
 /* Find groups of so many limbs; `told` becomes the tree with constants that know their limb where they differ. Frames change where
-   `may_turn`, and what stands in them beside the bodies themselves does not: links, what is free. Returns 0 where there are none, or
-   memory runs out. */
+   `may_turn`, but not what stands in them beside the bodies' own numbers: placements of links, what is free. Returns 0 where there are
+   none, or memory runs out. */
 int tree_alike(struct alike *x, struct tree *told, const struct tree *t, int limbs, int may_turn, struct arena *a);
 
 /* The limb, from 1 over all groups, whose joint has this row of q, or of qd, and which body of its group's first limb has that joint's

@@ -103,8 +103,8 @@ static int is_own_input(const struct finder *f, const struct node *n, const unsi
 	return a && role_rows(a->role) != ROWS_ANY && a->rows == f->x->tree->nv && own[n->arg[1].i];
 }
 
-/* Where what is made of the hand's inputs alone meets anything else: what is handed on is beyond, or else a hand of few joints would hand
-   on its inputs. */
+/* Where what is made of the hand's inputs alone meets anything else: what is handed on is beyond, or else a hand of few joints would
+   hand on its inputs. */
 static void mark_meetings(struct finder *f)
 {
 	const struct dag *d = f->d;
@@ -337,8 +337,8 @@ static int has_rows(const struct parts_of *x)
 	return outputs > 0 && outputs == has_tau + has_vjp;
 }
 
-/* Not in mixed precision, where a row has fewer bits; in f32 where the whole is full. Which of two products is joined to their sum goes by how often each is used, which two kernels count anew: so not where the same
-   bits are wanted. Says whether the whole is full. */
+/* Not in mixed precision, where a row has fewer bits; in f32 where the whole is full. Which of two products is joined to their sum goes
+   by how often each is used, which two kernels count anew: so not where the same bits are wanted. Says whether the whole is full. */
 static int may_have(struct hands *h, const struct parts_of *x, struct arena *a)
 {
 	const struct rneagen_options *o = x->options;

@@ -6,12 +6,13 @@
    upkie, torques 50, 1.14, qdd 80, 1.06; a hand, torques 223, 0.83. */
 enum { WORTH_PERCENT = 95, LEAST_SAVED = 120 };
 
-/* Torques, accelerations, and their derivatives: nothing that is told in the frame of a link. A call's last bits are then not those of a
-   batch. */
+/* Torques, accelerations, and their derivatives: nothing that is told in the frame of a link. A call's last bits are then not those
+   of a batch. */
 static int may_have_lanes(const struct request *k, const struct rneagen_options *o)
 {
 	for (int i = 0; i < k->want_count; i++)
-		if (!want_is(k->wants[i].kind, IS_TORQUES | IS_DERIVATIVE | FINDS_QDD | IS_PRODUCT) || want_is(k->wants[i].kind, OF_LINK | OF_JOINT))
+		if (!want_is(k->wants[i].kind, IS_TORQUES | IS_DERIVATIVE | FINDS_QDD | IS_PRODUCT) ||
+			want_is(k->wants[i].kind, OF_LINK | OF_JOINT))
 			return 0;
 	return !k->refine_steps && segments_may_differ(o);
 }
