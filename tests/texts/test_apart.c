@@ -48,6 +48,7 @@ static const struct subject {
 	{"hands 5 4", "free payload.l2_6:batch\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2}, 1},
 	{"limbs 1 44", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {1, 1}, 0}, /* an arm in three pieces */
 	{"hands 5 2", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2}, 0},
+	{"hands 5 3", "want tau,vjp\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, {2}, 0},
 	{"limbs 2 40", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2, 2}, 1}, /* arms in three pieces */
 	{"hands 3 3", "want tau,vjp\nfree payload.l2_6:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2}, 1},
 	{"limbs 2 40", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, {2, 2}, 1},
@@ -71,6 +72,7 @@ static const struct subject WHOLE[] = {
 	{"g1_29dof", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, {0}, 0},
 	{"g1_29dof", "want tau,power\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {0}, 0},
 	{"hyq", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {0}, 0},
+	{"hands 5 3", "want tau,vjp\n", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, {0}, 0},
 	{"atlas", "want tau,vjp\n", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, {0}, 0},
 	{"atlas", "want tau,gravity\nvjp gravity\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, {0}, 0}, /* no qd, no qdd: no places */
 	{"limbs 2 50", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 1, {0}, 0}, /* slices without room */

@@ -2,10 +2,10 @@
 #include <string.h>
 
 /* Operations of the whole, and of a hand. H100, 1 M samples, ps, one kernel and two: g1_brainco, 9010 operations, f64 2447 and 1064,
-   in aos 3745 and 1515; but f32 462 and 522, and in aos, where the rows of a part stand apart, 663 and 1091. With the vjp in f64, whole
-   or in parts of limbs, and so: jvrc1, whose hands have 1131 operations, 2943 and 1401, g1_brainco, 5500 to 5800, 8222 and 5780; but
-   romeo, whose neck has 686, 898 and 912. */
-enum { LEAST = 5000, LEAST_HAND = 500, LEAST_HAND_PRODUCT = 1000 };
+   in aos 3745 and 1515; but f32 462 and 522, and in aos, where the rows of a part stand apart, 663 and 1091. With the vjp, by limbs alone
+   and so: f64, jvrc1, whose hands have 1131 operations, 2943 and 1401; but romeo, whose neck has 686, 898 and 912; f32, jvrc1, 8950, 564
+   and 723, pr2, 6792, 388 and 437; but g1_d_wheeled, 9837, 2433 and 774, g1_brainco, 20991, 3560 and 1286. */
+enum { LEAST = 5000, LEAST_PRODUCT_SINGLE = 9400, LEAST_HAND = 500, LEAST_HAND_PRODUCT = 1000 };
 
 /* Values at once of the whole, beyond which f32 has hands too, and parts need no room in shared memory; joints of an arm that one
    part may hold. H100, 1 M samples, ps, chain_75 whole and so: f32 2572 and 1120, f64 7761 and 2961, in aos 9915 and 4626. */
@@ -323,8 +323,8 @@ static int make_rest(struct finder *f, struct hand_level *level, int begin)
 	return !level->rest.failed;
 }
 
-/* tau alone, or in soa in f64 with its vjp, since rows hold what is handed on. */
-static int has_rows(const struct parts_of *x)
+/* tau alone, or in soa with its vjp, since rows hold what is handed on. */
+static int has_rows(const struct parts_of *x, unsigned flops)
 {
 	const struct rneagen_options *o = x->options;
 	const struct dag *d = x->raw;
@@ -332,9 +332,9 @@ static int has_rows(const struct parts_of *x)
 
 	for (int i = 0; i < d->argument_count; i++)
 		outputs += d->arguments[i].is_output;
-	if (has_vjp && (o->layout != RNEAGEN_SOA || o->precision != RNEAGEN_F64))
+	if (has_vjp && (o->layout != RNEAGEN_SOA || (o->precision == RNEAGEN_F32 && flops < LEAST_PRODUCT_SINGLE)))
 		return 0;
-	return outputs > 0 && outputs == has_tau + has_vjp;
+	return flops >= LEAST && outputs > 0 && outputs == has_tau + has_vjp;
 }
 
 /* Not in mixed precision, where a row has fewer bits; in f32 where the whole is full. Which of two products is joined to their sum goes
@@ -343,9 +343,8 @@ static int may_have(struct hands *h, const struct parts_of *x, struct arena *a)
 {
 	const struct rneagen_options *o = x->options;
 
-	if (o->strict || (o->precision == RNEAGEN_F32 && o->layout == RNEAGEN_AOS) || !has_rows(x) || x->tree->nq != x->tree->nv)
-		return 0;
-	if (plan_flops(plan_operations(&x->whole->plan)) < LEAST)
+	if (o->strict || (o->precision == RNEAGEN_F32 && o->layout == RNEAGEN_AOS) || x->tree->nq != x->tree->nv ||
+		!has_rows(x, plan_flops(plan_operations(&x->whole->plan))))
 		return 0;
 	h->is_full = plan_alive(&x->whole->plan, a) > FULL;
 	return o->precision == RNEAGEN_F64 || (o->precision == RNEAGEN_F32 && h->is_full);
