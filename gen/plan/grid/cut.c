@@ -151,22 +151,31 @@ static void take_path(struct network *n, place end)
 	n->next[end / 2] = NONE;
 }
 
-int cut_find(struct cut *c, const struct dag *d, const unsigned char *from, const unsigned char *to, struct arena *a)
+static void find(struct cut *c, struct network *n)
 {
-	struct network n;
 	place end;
 	int paths = 0;
 
-	c->count = 0;
-	if (!network_make(&n, d, from, to, a))
-		return 0;
-	while ((end = search(&n)) != NONE) {
+	while ((end = search(n)) != NONE) {
 		if (++paths > CUT_MOST)
-			return 1;
-		take_path(&n, end);
+			return;
+		take_path(n, end);
 	}
-	for (uint32_t i = 0; i < d->count; i++)
-		if (n.came[in(i)] && !n.came[out(i)])
+	for (uint32_t i = 0; i < n->d->count; i++)
+		if (n->came[in(i)] && !n->came[out(i)])
 			c->nodes[c->count++] = i;
-	return 1;
+}
+
+int cut_find(struct cut *c, const struct dag *d, const unsigned char *from, const unsigned char *to, struct arena *a)
+{
+	struct arena spare;
+	struct network n;
+
+	c->count = 0;
+	arena_init(&spare, &a->allocator);
+	if (network_make(&n, d, from, to, &spare))
+		find(c, &n);
+	a->failed |= spare.failed;
+	arena_free(&spare);
+	return !a->failed;
 }

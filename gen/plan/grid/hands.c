@@ -103,8 +103,7 @@ static int is_own_input(const struct finder *f, const struct node *n, const unsi
 	return a && role_rows(a->role) != ROWS_ANY && a->rows == f->x->tree->nv && own[n->arg[1].i];
 }
 
-/* Where what is made of the hand's inputs alone meets anything else: what is handed on is beyond, or else a hand of few joints would
-   hand on its inputs. */
+/* Where what the hand's inputs alone make meets anything else: what is handed on is beyond, not the inputs themselves. */
 static void mark_meetings(struct finder *f)
 {
 	const struct dag *d = f->d;
@@ -306,7 +305,7 @@ static int make_rest(struct finder *f, struct hand_level *level, int begin)
 	struct dag read = *d;
 	struct share share;
 
-	read.nodes = arena_alloc(f->a, d->count, sizeof *read.nodes);
+	read.nodes = arena_take(f->a, d->count, sizeof *read.nodes);
 	if (!read.nodes)
 		return 0;
 	memcpy(read.nodes, d->nodes, d->count * sizeof *read.nodes);
@@ -320,6 +319,8 @@ static int make_rest(struct finder *f, struct hand_level *level, int begin)
 	if (!share_begin(&share, &read, level->owner, f->a))
 		return 0;
 	share_copy(&share, -1, 0, &level->rest, f->a);
+	share_end(&share, f->a);
+	arena_release(f->a, read.nodes);
 	return !level->rest.failed;
 }
 

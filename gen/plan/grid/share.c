@@ -11,6 +11,12 @@ int share_begin(struct share *x, const struct dag *whole, const int *owner, stru
 	return x->live && x->place;
 }
 
+void share_end(struct share *x, struct arena *a)
+{
+	arena_release(a, x->place);
+	arena_release(a, x->live);
+}
+
 static int is_chosen(const struct share *x, size_t output, int first, int end)
 {
 	return x->owner[output] >= first && x->owner[output] < end;

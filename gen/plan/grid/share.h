@@ -19,4 +19,7 @@ int share_begin(struct share *x, const struct dag *whole, const int *owner, stru
    added to it. Failure is in out->failed. */
 void share_copy(struct share *x, int first, int end, struct dag *out, struct arena *a);
 
+/* Give back what share_begin took. */
+void share_end(struct share *x, struct arena *a);
+
 #endif
