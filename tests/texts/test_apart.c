@@ -16,7 +16,7 @@ _Static_assert((int)HAND_LEVELS <= (int)RNEA_HANDS_LIMIT, "a runtime refuses the
 enum { COUNT = 1300, SEED = 20261124, LARGE_BLOCK = 512 }; /* beyond what the limbs' kernel takes; no multiple of a block */
 
 /* A robot of tests/robots, or of "limbs N M": N limbs of M links each on the ground, or of "hands N M": a leg, and a back with two
-   arms, each with a hand of N fingers of M links. */
+   arms, each with a hand of N fingers of M links; "fists N M": the first joint of a hand moves them all. */
 static const struct subject {
 	const char *name, *scene;
 	enum rneagen_precision precision;
@@ -49,6 +49,7 @@ static const struct subject {
 	{"limbs 1 44", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {1, 1}, 0}, /* an arm in three pieces */
 	{"hands 5 2", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2}, 0},
 	{"hands 5 3", "want tau,vjp\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, {2}, 0},
+	{"fists 4 3", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2}, 0}, /* not the few inputs of a hand are handed on */
 	{"limbs 2 40", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2, 2}, 1}, /* arms in three pieces */
 	{"hands 3 3", "want tau,vjp\nfree payload.l2_6:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2}, 1},
 	{"limbs 2 40", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, {2, 2}, 1},
@@ -83,8 +84,8 @@ static const struct subject WHOLE[] = {
 	{"chain_75", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, {0}, 0}, /* parts would be staged, and leave rows of their slices unwritten */
 };
 
-/* Links l<limb>_0, l<limb>_1, ..., the first of which hangs on another link. */
-static void put_limb(struct text *t, int limb, int links, const char *parent)
+/* Links l<limb>_0, l<limb>_1, ..., the first of which hangs on another link. Joints follow the first of limb `driver`; -1: none does. */
+static void put_limb(struct text *t, int limb, int links, const char *parent, int driver)
 {
 	static const char *const axes[] = {"0 0 1", "0 1 0", "1 0 0"};
 
@@ -97,19 +98,22 @@ static void put_limb(struct text *t, int limb, int links, const char *parent)
 		else
 			text_put(t, parent);
 		text_printf(t, "'/><child link='l%d_%d'/><origin xyz='0.2 0 0.1' rpy='0.3 0 0'/><axis xyz='%s'/><limit lower='-3' upper='3' "
-			"effort='9' velocity='3'/></joint>\n", limb, link, axes[(limb + link) % 3]);
+			"effort='9' velocity='3'/>", limb, link, axes[(limb + link) % 3]);
+		if (driver >= 0 && (limb != driver || link))
+			text_printf(t, "<mimic joint='j%02d_00' multiplier='%g'/>", driver, 0.5 + 0.1 * link);
+		text_put(t, "</joint>\n");
 	}
 }
 
 /* Limb 0 is the leg, 1 the back, 2 and 3 are the arms. */
-static void put_hands(struct text *t, int fingers, int links)
+static void put_hands(struct text *t, int fingers, int links, int are_fists)
 {
-	put_limb(t, 0, 6, "ground");
-	put_limb(t, 1, 2, "ground");
+	put_limb(t, 0, 6, "ground", -1);
+	put_limb(t, 1, 2, "ground", -1);
 	for (int arm = 2; arm < 4; arm++) {
-		put_limb(t, arm, 7, "l1_1");
+		put_limb(t, arm, 7, "l1_1", -1);
 		for (int finger = 0; finger < fingers; finger++)
-			put_limb(t, 10 * arm + finger, links, arm == 2 ? "l2_6" : "l3_6");
+			put_limb(t, 10 * arm + finger, links, arm == 2 ? "l2_6" : "l3_6", are_fists ? 10 * arm : -1);
 	}
 }
 
@@ -118,12 +122,13 @@ static void generate(const struct subject *s, const struct rneagen_options *give
 	struct rneagen_options o = *given;
 	struct arena a;
 	struct text urdf;
-	int limbs, links, has_hands;
+	int limbs, links, has_hands, are_fists;
 
 	o.precision = s->precision;
 	o.layout = s->layout;
 	o.scene = *s->scene ? s->scene : NULL;
-	has_hands = sscanf(s->name, "hands %d %d", &limbs, &links) == 2;
+	are_fists = sscanf(s->name, "fists %d %d", &limbs, &links) == 2;
+	has_hands = are_fists || sscanf(s->name, "hands %d %d", &limbs, &links) == 2;
 	if (!has_hands && sscanf(s->name, "limbs %d %d", &limbs, &links) != 2) {
 		launched_generate(t, s->name, s->scene, s->floating, &o);
 		return;
@@ -132,9 +137,9 @@ static void generate(const struct subject *s, const struct rneagen_options *give
 	text_init(&urdf, &a);
 	text_put(&urdf, "<robot name='limbs'><link name='ground'/>\n");
 	if (has_hands)
-		put_hands(&urdf, limbs, links);
+		put_hands(&urdf, limbs, links, are_fists);
 	for (int limb = 0; limb < limbs && !has_hands; limb++)
-		put_limb(&urdf, limb, links, "ground");
+		put_limb(&urdf, limb, links, "ground", -1);
 	text_put(&urdf, "</robot>\n");
 	target_generate(t, text_string(&urdf), urdf.length, &o, s->name);
 	arena_free(&a);
