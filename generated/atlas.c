@@ -130,7 +130,7 @@ below */
 #define rneagen_lanes atlas_lanes
 typedef double rneagen_lanes __attribute__((vector_size(2*sizeof(double))));
 #define RNEA_LANES(a, b) ((rneagen_lanes){a, b})
-#define RNEA_SPLAT(a) ((rneagen_lanes){a, a})
+#define RNEA_SPLAT(a) RNEA_LANES(a, a)
 #define RNEA_LANES_FMA(a, b, c) ((a)*(b) + (c))
 #if defined __has_builtin && !defined __clang__
 #if __has_builtin(__builtin_ia32_vfmaddpd) /* gcc from 10 on, which joins nothing by itself with -std=c11 */

@@ -117,7 +117,7 @@ below */
 #define rneagen_lanes hyq_lanes
 typedef double rneagen_lanes __attribute__((vector_size(4*sizeof(double))));
 #define RNEA_LANES(a, b, c, d) ((rneagen_lanes){a, b, c, d})
-#define RNEA_SPLAT(a) ((rneagen_lanes){a, a, a, a})
+#define RNEA_SPLAT(a) RNEA_LANES(a, a, a, a)
 #define RNEA_LANES_FMA(a, b, c) ((a)*(b) + (c))
 #if defined __has_builtin && !defined __clang__
 #if __has_builtin(__builtin_ia32_vfmaddpd256) /* gcc from 10 on, which joins nothing by itself with -std=c11 */

@@ -239,8 +239,7 @@ static void put_pass(const struct emission *e, const struct pass *p, struct text
 		emit_segments(e, p, out);
 	else
 		put_body(e, p, out);
-	if (p->beside && !p->lanes_in_batches)
-		emit_lanes_call_bodies(e, p, out);
+	emit_lanes_call_bodies(e, p, out);
 }
 
 /* Without AVX four doubles are two vectors. Zen 5, one call over that without lanes, by operations in lanes: torques on the ground,
@@ -250,8 +249,7 @@ enum { LEAST_WITHOUT_AVX = 300 };
 static const char *lanes_need(const struct emission *e)
 {
 	const struct pass *p = emit_main(e)->beside;
-	struct operation_count n = plan_operations(&p->plan);
-	int is_short = n.mul + n.add + n.sub + n.fma < LEAST_WITHOUT_AVX;
+	int is_short = plan_instructions(plan_operations(&p->plan)) < LEAST_WITHOUT_AVX;
 
 	return p->dag.width == 4 && e->arithmetic->bytes == 8 && is_short ? "__AVX__" : "__SSE2__";
 }
@@ -262,9 +260,8 @@ static void put_lanes(const struct emission *e, struct text *out)
 	int is_f32 = e->arithmetic->bytes == 4, is_two = emit_main(e)->beside->dag.width == 2;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->arithmetic->type}, {"WIDTH", is_two ? "two" : "four"},
 		{"ROOM", is_two && !is_f32 ? "2" : "4"}, {"EACH", is_two ? "a, b" : "a, b, c, d"},
-		{"FILLED", !is_two ? "a, b, c, d" : is_f32 ? "a, b, a, b" : "a, b"}, {"SPLAT", is_two && !is_f32 ? "a, a" : "a, a, a, a"},
-		{"NEEDS", lanes_need(e)},
-		{"SUFFIX", is_f32 ? "ps" : is_two ? "pd" : "pd256"}};
+		{"FILLED", !is_two ? "a, b, c, d" : is_f32 ? "a, b, a, b" : "a, b"}, {"SAME", is_two ? "a, a" : "a, a, a, a"},
+		{"NEEDS", lanes_need(e)}, {"SUFFIX", is_f32 ? "ps" : is_two ? "pd" : "pd256"}};
 
 	template_expand(out, template_lanes_in, slots, sizeof slots / sizeof *slots);
 }

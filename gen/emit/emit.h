@@ -223,10 +223,13 @@ void emit_segments(const struct emission *e, const struct pass *p, struct text *
 void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any,
 	struct text *out);
 
-/* What a call of one sample runs in lanes, and a batch does not (p->beside): its bodies, and the function. */
+/* What a call of one sample runs in lanes, and a batch does not; NULL: there is nothing. Its bodies, and the function, of a pass
+   that has such or has not. */
+struct call;
 #define EMIT_IF_LANES "#if defined RNEA_LANES\n"
+const struct pass *emit_lanes_alone(const struct pass *p);
 void emit_lanes_call_bodies(const struct emission *e, const struct pass *p, struct text *out);
-void emit_lanes_call(const struct emission *e, const struct pass *p, const char *call_any, struct text *out);
+void emit_lanes_call(const struct emission *e, const struct pass *p, const struct call *any, struct text *out);
 
 /* The arrays of what goes across cuts, or the one that there is: as parameters; the same where compilers are to know that they
    overlap nothing; as those of a segment, for its first sample; their names; their declarations with room for a sample, or for some

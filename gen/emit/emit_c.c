@@ -58,13 +58,14 @@ static const char *vectors_text(const struct pass *p)
 static const char *one_call(const struct emission *e, const struct pass *p)
 {
 	const char *names = emit_params(e, p, PARAMS_NAMES), *what = emit_has_known(e) || p->segments.count ? "any" : "body";
+	const struct pass *lanes = emit_lanes_alone(p);
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (p->beside && !p->lanes_in_batches)
-		text_printf(&t, "#if defined RNEA_LANES\n\t%s_%s_any(%s, 1);\n#else\n", e->options->name, p->beside->algorithm->name, names);
+	if (lanes)
+		text_printf(&t, EMIT_IF_LANES "\t%s_%s_any(%s, 1);\n#else\n", e->options->name, lanes->algorithm->name, names);
 	text_printf(&t, "\t%s_%s_%s(%s, 1);\n", e->options->name, p->algorithm->name, what, names);
-	text_put(&t, p->beside && !p->lanes_in_batches ? "#endif\n" : "");
+	text_put(&t, lanes ? "#endif\n" : "");
 	return text_string(&t);
 }
 
@@ -94,8 +95,7 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 		emit_segments_part(e, p, are_small(e, p), emit_call(e, p, &any), out);
 	else
 		template_expand(out, emit_has_known(e) ? template_part_accurate_in : template_part_in, slots, count);
-	if (p->beside && !p->lanes_in_batches)
-		emit_lanes_call(e, p->beside, emit_call(e, p->beside, &any), out);
+	emit_lanes_call(e, p, &any, out);
 	template_expand(out, template_slice_in, slots, count);
 	if (p == emit_main(e))
 		template_expand(out, template_batch_in, slots, count);

@@ -149,18 +149,13 @@ static void put_quantities(const struct emission *e, struct text *out)
 		put_entry("..._2 ..._3", "the same quantity again, as it grows or in another part of the text", out);
 }
 
-static const char *last_array(const struct emission *e)
+static void put_functions(const struct emission *e, struct text *out)
 {
 	const struct dag *d = &emit_main(e)->dag;
 
-	return d->arguments[d->argument_count - 1].name;
-}
-
-static void put_functions(const struct emission *e, struct text *out)
-{
 	put_entry("stride", "from one row of an array to the next", out);
 	if (emit_hands(e) && somewhere(e, is_left))
-		put_entry(last_array(e), "what a hand left in the row of the link's joint", out);
+		put_entry(d->arguments[parts_handed(d)].name, "what a hand left in the row of the link's joint", out);
 	if (emit_hands(e))
 		put_entry("handed gap step",
 			"what hands left in the last array; rows that a part's slice lacks; from a row of handed to the next", out);

@@ -68,7 +68,8 @@ const char *emit_across(const struct emission *e, const struct segments *s, enum
 {
 	const struct across narrow = {e->numbers->value, "across", s->slots[0]};
 	const struct across wide = {wide_value(e), "wide_across", s->slots[1]};
-	int lanes = form == ACROSS_LANES ? emit_lanes(e, s) : 1, is_line = form == ACROSS_LOCAL || form == ACROSS_LANES || form == ACROSS_SHARED;
+	int lanes = form == ACROSS_LANES ? emit_lanes(e, s) : 1;
+	int is_line = form == ACROSS_LOCAL || form == ACROSS_LANES || form == ACROSS_SHARED;
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -195,10 +196,17 @@ void emit_segments(const struct emission *e, const struct pass *p, struct text *
 	text_put(out, lanes_of(p) ? "#endif\n" : "");
 }
 
+const struct pass *emit_lanes_alone(const struct pass *p)
+{
+	return p->lanes_in_batches ? NULL : p->beside;
+}
+
 void emit_lanes_call_bodies(const struct emission *e, const struct pass *p, struct text *out)
 {
+	if (!emit_lanes_alone(p))
+		return;
 	text_put(out, EMIT_IF_LANES);
-	put_segments(e, p->beside, out);
+	put_segments(e, emit_lanes_alone(p), out);
 	text_put(out, "#endif\n");
 }
 
@@ -315,16 +323,19 @@ static const char *one_body(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-void emit_lanes_call(const struct emission *e, const struct pass *p, const char *call_any, struct text *out)
+void emit_lanes_call(const struct emission *e, const struct pass *of, const struct call *any, struct text *out)
 {
+	const struct pass *p = emit_lanes_alone(of);
 	struct text functions, body;
 
+	if (!p)
+		return;
 	text_init(&functions, e->arena);
 	text_init(&body, e->arena);
 	put_one_functions(e, p, &functions);
 	put_one_body(e, p, &body);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"CALL_ANY", call_any},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"CALL_ANY", emit_call(e, p, any)},
 		{"FUNCTIONS", text_string(&functions)}, {"ONE_BODY", text_string(&body)}};
 
 	template_expand(out, template_lanes_call_in, slots, sizeof slots / sizeof *slots);

@@ -298,9 +298,14 @@ void plan_add_operations(struct operation_count *sum, struct operation_count n, 
 	sum->wide += n.wide * times;
 }
 
+unsigned plan_instructions(struct operation_count n)
+{
+	return n.mul + n.add + n.sub + n.fma;
+}
+
 unsigned plan_flops(struct operation_count n)
 {
-	return n.mul + n.add + n.sub + 2 * n.fma;
+	return plan_instructions(n) + n.fma;
 }
 
 struct waits plan_waits(const struct plan *p, int room, struct arena *a)

@@ -106,6 +106,9 @@ struct operation_count plan_operations_of(const struct dag *d, size_t first, siz
 /* Add them, so many times. */
 void plan_add_operations(struct operation_count *sum, struct operation_count n, unsigned times);
 
+/* A joined product and sum are one; signs, sines and cosines are not counted. */
+unsigned plan_instructions(struct operation_count n);
+
 /* A joined product and sum are two; signs, sines and cosines are not counted. */
 unsigned plan_flops(struct operation_count n);
 

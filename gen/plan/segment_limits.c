@@ -112,7 +112,8 @@ int segments_choose(
 		return 0;
 	if (!segments_make(&p->segments, &early, &limits, a))
 		return 0;
-	if ((p->segments.count < 2 && use != SEGMENT_AGAIN) || (o->segments == RNEAGEN_SEGMENTS_AUTO && (unsigned)p->segments.slots[0] > limits.across))
+	if ((p->segments.count < 2 && use != SEGMENT_AGAIN) ||
+		(o->segments == RNEAGEN_SEGMENTS_AUTO && (unsigned)p->segments.slots[0] > limits.across))
 		p->segments = (struct segments){0};
 	return 1;
 }

@@ -4,21 +4,9 @@
 struct finder {
 	const struct tree *t;
 	int limbs, may_turn;
-	int *end; /* by body: behind the last one that it carries; they are numbered depth-first */
 };
 
 /* ---- which limbs are alike ---- */
-
-static void find_ends(struct finder *f)
-{
-	for (int i = f->t->body_count; i-- > 0;) {
-		int parent = f->t->bodies[i].parent;
-
-		f->end[i] = f->end[i] > i ? f->end[i] : i + 1;
-		if (parent >= 0 && f->end[parent] < f->end[i])
-			f->end[parent] = f->end[i];
-	}
-}
 
 static int is_hinge(const struct body *k)
 {
@@ -51,7 +39,7 @@ static int is_twin(const struct finder *f, int root, int a, int shift)
 	const struct body *x = &t->bodies[a], *y = x + shift;
 
 	return is_hinge(x) && x->type == y->type && x->axis == y->axis && (f->may_turn || x->sign == y->sign) &&
-		y->parent - x->parent == (a == root ? 0 : shift) && f->end[a + shift] - f->end[a] == shift &&
+		y->parent - x->parent == (a == root ? 0 : shift) && tree_end(t, a + shift) - tree_end(t, a) == shift &&
 		follow_alike(t, a, a + shift, shift);
 }
 
@@ -67,27 +55,27 @@ static int has_own_rows(const struct tree *t, int first, int end)
 
 static int are_alike(const struct finder *f, int first, int other)
 {
-	if (f->end[other] - f->end[first] != other - first)
+	int end = tree_end(f->t, first), shift = other - first;
+
+	if (tree_end(f->t, other) - end != shift)
 		return 0;
-	for (int i = first; i < f->end[first]; i++)
-		if (!is_twin(f, first, i, other - first))
+	for (int i = first; i < end; i++)
+		if (!is_twin(f, first, i, shift))
 			return 0;
-	return has_own_rows(f->t, other, f->end[other]);
+	return has_own_rows(f->t, other, end + shift);
 }
 
 /* The limb from this body on, and the next ones that are like it. */
 static int find_group(const struct finder *f, int first, const unsigned char *taken, struct alike_group *g)
 {
 	const struct tree *t = f->t;
-	int count = 1, parent = t->bodies[first].parent;
+	int count = 1, parent = t->bodies[first].parent, end = tree_end(t, first);
 
-	*g = (struct alike_group){f->end[first] - first, {first}};
-	if (!has_own_rows(t, first, f->end[first]))
-		return 0;
-	for (int i = f->end[first]; i < t->body_count && t->bodies[i].parent >= parent && count < f->limbs; i = f->end[i])
+	*g = (struct alike_group){end - first, {first}};
+	for (int i = end; i < t->body_count && t->bodies[i].parent >= parent && count < f->limbs; i = tree_end(t, i))
 		if (!taken[i] && t->bodies[i].parent == parent && are_alike(f, first, i))
 			g->first[count++] = i;
-	return count == f->limbs;
+	return count == f->limbs && has_own_rows(t, first, end);
 }
 
 static void find_groups(const struct finder *f, unsigned char *taken, struct alike *x)
@@ -260,13 +248,14 @@ static void tell_group(const struct alike *x, int group, struct body *bodies, st
 				k->ahead = TURN_NONE;
 			list_constants(k, list + (limb * g->bodies + i) * CONSTANTS);
 		}
-	tell(&(struct constants){list, x->limbs, g->bodies * CONSTANTS}, 1 + group * x->limbs, 1 + (unsigned)(g->first[0] * CONSTANTS));
+	tell(&(struct constants){list, x->limbs, g->bodies * CONSTANTS}, 1 + group * x->limbs,
+		1 + (unsigned)(g->first[0] * CONSTANTS));
 }
 
 int tree_alike(struct alike *x, struct tree *told, const struct tree *t, int limbs, int may_turn, struct arena *a)
 {
 	size_t count = (size_t)t->body_count;
-	struct finder f = {t, limbs, may_turn, arena_alloc(a, count, sizeof *f.end)};
+	struct finder f = {t, limbs, may_turn};
 	struct body *bodies = arena_alloc(a, count, sizeof *bodies);
 	struct within **list = arena_alloc(a, count * CONSTANTS, sizeof *list);
 	const signed char **turns = arena_alloc(a, count, sizeof *turns);
@@ -275,7 +264,6 @@ int tree_alike(struct alike *x, struct tree *told, const struct tree *t, int lim
 	*x = (struct alike){.limbs = limbs};
 	if (a->failed)
 		return 0;
-	find_ends(&f);
 	find_groups(&f, taken, x);
 	memcpy(bodies, t->bodies, count * sizeof *bodies);
 	*told = *t;

@@ -261,6 +261,15 @@ const struct tree_joint *tree_joint_of_q(const struct tree *t, int row)
 	return NULL;
 }
 
+int tree_end(const struct tree *t, int body)
+{
+	int end = body + 1;
+
+	while (end < t->body_count && t->bodies[end].parent >= body)
+		end++;
+	return end;
+}
+
 int body_is_ahead(const struct body *k)
 {
 	return k->ahead.s.x != 0 || k->ahead.c.x < 0;

@@ -81,6 +81,9 @@ const struct tree_joint *tree_joint_of_row(const struct tree *t, int row);
 /* The same of a row of q; NULL: there is no such row. */
 const struct tree_joint *tree_joint_of_q(const struct tree *t, int row);
 
+/* Behind the last body that this one carries: they are numbered depth-first. */
+int tree_end(const struct tree *t, int body);
+
 /* Has a body's joint a turn that is added to its angle? */
 int body_is_ahead(const struct body *k);
 

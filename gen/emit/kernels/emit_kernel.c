@@ -137,7 +137,7 @@ static const char *handed_text(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	emit_put_at_sample(e, &d->arguments[d->argument_count - 1], &t);
+	emit_put_at_sample(e, &d->arguments[parts_handed(d)], &t);
 	text_printf(&t, ", %s", emit_stride(e));
 	return text_string(&t);
 }

@@ -128,7 +128,7 @@ static void put_part_call(const struct emission *e, const struct pass *p, struct
 	struct text handed;
 
 	text_init(&handed, e->arena);
-	text_printf(&handed, "%s, stride", d->arguments[d->argument_count - 1].name);
+	text_printf(&handed, "%s, stride", d->arguments[parts_handed(d)].name);
 	emit_put_sample_call(e, p, "body", emit_more(e, p, 0, text_string(&handed)), out);
 }
 

@@ -283,7 +283,7 @@ static int do_serve(const struct part *parts, int count, int is_full, const stru
 	for (const struct part *p = parts; p < parts + count; p++)
 		if (plan_flops(plan_operations(&p->pass.plan)) > most)
 			return 0;
-	return turns_serve(parts, count, x->raw->arguments[x->raw->argument_count - 1].rows, a);
+	return turns_serve(parts, count, x->raw->arguments[parts_handed(x->raw)].rows, a);
 }
 
 static int make_parts(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)

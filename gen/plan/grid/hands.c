@@ -46,15 +46,21 @@ static int mark_rows(struct finder *f, const struct hand *m, unsigned char *own)
 	return 1;
 }
 
-/* What is handed on stands in the last array. */
-static int handed(const struct dag *d)
-{
-	return d->argument_count - 1;
-}
-
+/* Of the array in which what is handed on stands. */
 static int handed_rows(const struct finder *f)
 {
-	return f->d->arguments[handed(f->d)].rows;
+	return f->d->arguments[parts_handed(f->d)].rows;
+}
+
+static int is_product(const struct finder *f)
+{
+	return handed_rows(f) > f->x->tree->nv;
+}
+
+/* The first row of qd of the joint that output i belongs to. */
+static int row_of(const struct finder *f, size_t i)
+{
+	return f->d->outputs[i].row % f->x->tree->nv;
 }
 
 /* Rows of the arm for what is handed on, one for each joint, of a vjp three: those that are written last, which are nearest to the hand
@@ -62,13 +68,13 @@ static int handed_rows(const struct finder *f)
 static int choose_rows(struct finder *f, struct hand *m)
 {
 	const struct tree *t = f->x->tree;
-	int *arm = arena_alloc(f->a, (size_t)t->body_count, sizeof *arm), joints = 0, count = 0, is_vjp = handed_rows(f) > t->nv;
+	int *arm = arena_alloc(f->a, (size_t)t->body_count, sizeof *arm), joints = 0, count = 0;
 
 	for (int k = m->body; k >= 0 && arm; k = t->bodies[k].parent)
 		if (is_single(&t->bodies[k]))
 			arm[joints++] = t->bodies[k].iv;
 	for (int i = 0; i < joints; i++)
-		for (int row = arm[is_vjp ? joints - 1 - i : i]; row < handed_rows(f) && count < m->cut.count; row += t->nv)
+		for (int row = arm[is_product(f) ? joints - 1 - i : i]; row < handed_rows(f) && count < m->cut.count; row += t->nv)
 			if (!f->rows[row])
 				m->rows[count++] = row;
 	return count > 0 && count == m->cut.count;
@@ -84,7 +90,7 @@ static unsigned operations_of(struct finder *f, const struct hand *m, const unsi
 	for (int i = 0; i < m->cut.count; i++)
 		f->to[m->cut.nodes[i]] = 1;
 	for (size_t i = 0; i < d->output_count; i++)
-		f->to[d->outputs[i].value.i] |= own[d->outputs[i].row % f->x->tree->nv];
+		f->to[d->outputs[i].value.i] |= own[row_of(f, i)];
 	dag_mark_operands(d, d->count, f->to);
 	for (size_t i = 0; i < d->count; i++) {
 		f->beyond[i] = f->from[i];
@@ -133,11 +139,11 @@ static int cut_hand(struct finder *f, struct hand *m, unsigned char *own)
 	for (size_t i = 0; i < d->count; i++)
 		f->from[i] = (unsigned char)is_own_input(f, &d->nodes[i], own);
 	for (size_t i = 0; i < d->output_count; i++)
-		f->to[d->outputs[i].value.i] |= !own[d->outputs[i].row % f->x->tree->nv];
+		f->to[d->outputs[i].value.i] |= !own[row_of(f, i)];
 	mark_meetings(f);
 	if (!cut_find(&m->cut, d, f->meets, f->to, f->a))
 		return 0;
-	if (!choose_rows(f, m) || operations_of(f, m, own) < (handed_rows(f) > f->x->tree->nv ? LEAST_HAND_PRODUCT : LEAST_HAND))
+	if (!choose_rows(f, m) || operations_of(f, m, own) < (is_product(f) ? LEAST_HAND_PRODUCT : LEAST_HAND))
 		m->cut.count = 0;
 	return 1;
 }
@@ -161,16 +167,6 @@ static int try_hand(struct finder *f, int body, int first, int end, unsigned cha
 	return 1;
 }
 
-/* Behind the last body of the subtree. */
-static int end_of(const struct tree *t, int body)
-{
-	int end = body + 1;
-
-	while (end < t->body_count && t->bodies[end].parent >= body)
-		end++;
-	return end;
-}
-
 /* Does one of these bodies carry several others? */
 static int is_branched(const struct finder *f, int first, int end)
 {
@@ -183,12 +179,12 @@ static int is_branched(const struct finder *f, int first, int end)
 static int find_beyond(struct finder *f, int body, unsigned char *own)
 {
 	const struct tree *t = f->x->tree;
-	int end = end_of(t, body), next;
+	int end = tree_end(t, body), next;
 
 	if (!is_branched(f, body + 1, end))
 		return try_hand(f, body, body + 1, end, own);
 	for (int first = body + 1; first < end; first = next) {
-		next = end_of(t, first);
+		next = tree_end(t, first);
 		if (!is_branched(f, first, next) && !try_hand(f, body, first, next, own))
 			return 0;
 	}
@@ -211,7 +207,7 @@ static int find_branches(struct finder *f, unsigned char *own)
 /* Is it the last of its arm, but for what hands have taken? */
 static int is_end(const struct finder *f, int body)
 {
-	int end = end_of(f->x->tree, body);
+	int end = tree_end(f->x->tree, body);
 
 	for (int k = body + 1; k < end; k++)
 		if (!f->taken[k])
@@ -231,7 +227,7 @@ static int depth_of(const struct tree *t, int body)
 /* Has this kernel a hand among the bodies of the subtree? */
 static int has_hand(const struct finder *f, int body)
 {
-	int end = end_of(f->x->tree, body);
+	int end = tree_end(f->x->tree, body);
 
 	while (body < end && f->taken[body] <= f->h->level_count)
 		body++;
@@ -251,7 +247,7 @@ static int find_ends(struct finder *f, unsigned char *own)
 			continue;
 		while (--length > 0)
 			first = t->bodies[first].parent;
-		if (!has_hand(f, first) && !try_hand(f, t->bodies[first].parent, first, end_of(t, first), own))
+		if (!has_hand(f, first) && !try_hand(f, t->bodies[first].parent, first, tree_end(t, first), own))
 			return 0;
 	}
 	return 1;
@@ -292,7 +288,7 @@ static int share_outputs(struct finder *f, struct hand_level *level, int begin)
 		for (int i = 0; i < h->list[k].cut.count; i++) {
 			level->owner[level->first.output_count] = k;
 			outputs[level->first.output_count++] =
-				(struct output){handed(d), h->list[k].rows[i], {h->list[k].cut.nodes[i]}};
+				(struct output){parts_handed(d), h->list[k].rows[i], {h->list[k].cut.nodes[i]}};
 		}
 	return 1;
 }
@@ -313,7 +309,7 @@ static int make_rest(struct finder *f, struct hand_level *level, int begin)
 		for (int i = 0; i < h->list[k].cut.count; i++) {
 			struct node *n = &read.nodes[h->list[k].cut.nodes[i]];
 
-			*n = (struct node){.op = OP_INPUT, .arg = {{(uint32_t)handed(d)}, {(uint32_t)h->list[k].rows[i]}},
+			*n = (struct node){.op = OP_INPUT, .arg = {{(uint32_t)parts_handed(d)}, {(uint32_t)h->list[k].rows[i]}},
 				.tag = n->tag};
 		}
 	if (!share_begin(&share, &read, level->owner, f->a))
@@ -329,7 +325,7 @@ static int has_rows(const struct parts_of *x, unsigned flops)
 {
 	const struct rneagen_options *o = x->options;
 	const struct dag *d = x->raw;
-	int has_tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1) >= 0, has_vjp = dag_find_role(d, ROLE_VJP, 1) == handed(d), outputs = 0;
+	int has_tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1) >= 0, has_vjp = dag_find_role(d, ROLE_VJP, 1) == parts_handed(d), outputs = 0;
 
 	for (int i = 0; i < d->argument_count; i++)
 		outputs += d->arguments[i].is_output;
@@ -376,7 +372,7 @@ static int find_level(struct finder *f, int (*find)(struct finder *f, unsigned c
 
 int hands_find(struct hands *h, const struct parts_of *x, struct arena *a)
 {
-	size_t bodies = (size_t)x->tree->body_count, rows = (size_t)x->raw->arguments[handed(x->raw)].rows + 1;
+	size_t bodies = (size_t)x->tree->body_count, rows = (size_t)x->raw->arguments[parts_handed(x->raw)].rows + 1;
 	struct finder f = {.x = x, .d = x->raw, .h = h, .a = a};
 	unsigned char *own = arena_alloc(a, rows, 1);
 	int count;

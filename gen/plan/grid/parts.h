@@ -37,6 +37,12 @@ static inline int parts_are_apart(const struct part *parts, int count)
 	return count && parts[0].pass.stretches != NULL;
 }
 
+/* The array in whose rows parts leave what they hand on to others (hands.h): the last one. */
+static inline int parts_handed(const struct dag *d)
+{
+	return d->argument_count - 1;
+}
+
 /* The most values at once of one of them. */
 int parts_alive(const struct part *parts, int count);
 

@@ -35,7 +35,7 @@ static int mark(struct turns *x, int part)
 			return 0;
 		if (row >= 0)
 			reads[row] = 1;
-		if (l->kind == LINE_STORE && p->dag->outputs[l->index].argument == p->dag->argument_count - 1)
+		if (l->kind == LINE_STORE && p->dag->outputs[l->index].argument == parts_handed(p->dag))
 			stores[p->dag->outputs[l->index].row] = 1;
 	}
 	return 1;

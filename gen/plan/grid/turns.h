@@ -1,7 +1,7 @@
 #ifndef RNEAGEN_TURNS_H
 #define RNEAGEN_TURNS_H
-/* Parts of kernels that run one after the other and leave numbers for each other in rows of the last array: in what order these are
-   written and read. Parts of one kernel run in any order. */
+/* Parts of kernels that run one after the other and leave numbers for each other in rows of the last array: in what order these
+   are written and read. Parts of one kernel run in any order. */
 
 #include "plan/grid/parts.h"
 

@@ -66,9 +66,7 @@ static int loops_read_lanes(const struct pass *s)
 
 static unsigned count_operations(const struct pass *p)
 {
-	struct operation_count n = plan_operations(&p->plan);
-
-	return n.mul + n.add + n.sub + n.fma;
+	return plan_instructions(plan_operations(&p->plan));
 }
 
 static int is_worth_it(const struct pass *s, const struct pass *other)
