@@ -4,10 +4,10 @@
  * from a URDF whose SHA-256 is
  *   f81b0e4cbc1902a82e8103815dbba18f4a14241a4c5448883373553e6c5b9460
  * nq = 30, nv = 30, nb = 30 (moving bodies). Operations:
- *   rnea: 618 mul, 310 add, 140 sub, 129 neg, 800 fma, 27 sincos = 2668 flops
+ *   rnea: 552 mul, 241 add, 131 sub, 132 neg, 749 fma, 27 sincos = 2422 flops
  *   fpass: 710 mul, 236 add, 198 sub, 180 neg, 798 fma, 27 sincos = 2740 flops
  *   bpass: 121 mul, 149 add, 12 sub, 36 neg, 161 fma, 27 sincos = 604 flops
- *   rnea is in 6 segments, each for several samples before the next; 90 values go across cuts
+ *   rnea is in 6 segments, each for several samples before the next; 79 values go across cuts
  *   fpass is in 7 segments, each for several samples before the next; 32 values go across cuts
  *   With vectors of 2 numbers a sample alone runs rnea_beside: 5 segments in lanes; its last bits may not be
  *   those of a batch. -DRNEA_NO_LANES leaves it out.
@@ -43,6 +43,10 @@
  *   q[27] qd[27] revolute "r_leg_kny", rad
  *   q[28] qd[28] revolute "r_leg_aky", rad
  *   q[29] qd[29] revolute "r_leg_akx", rad
+ * Parameters: base, of urdf with 2668 flops and base with 2422.
+ * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs
+ * feel of it. What the functions take and write is in the URDF's frames.
+ * fpass and bpass are computed by the URDF's constants.
  *
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
@@ -53,6 +57,7 @@
  *   q qd qdd         position, velocity and acceleration of the link's joint
  *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
  *   s c              sine and cosine of the joint's angle
+ *   sa ca            of the joint's angle and a constant one, by which the link's frame is turned ahead
  *   w                angular velocity
  *   dw               rate of the angular velocity
  *   v                velocity of the origin
@@ -173,221 +178,191 @@ static RNEA_INLINE int atlas_rnea_segment0(const double *first_q, const double *
 		const double qdd1 = qdd[0];
 		const double t4 = RNEA_FMA(qdd1, s2, t2);
 		const double dw2z = RNEA_FMA(qdd1, c2, -t3);
-		const double a2z = 9.81*c2;
 		const double t5 = w2z*w2z;
 		const double t6 = qd2*qd2;
 		const double t7 = t2 + t4;
 		const double t8 = w2z*t1;
 		const double t9 = t1*t1;
-		const double t16 = RNEA_FMA(-0.05, t6 + t9, a2z);
 		const double qdd2 = qdd[stride];
-		const double t10 = qdd2 - t8;
-		const double t11 = -RNEA_FMA(0.00014667393410483002, qdd2 + t8, RNEA_FMA(0.0013398352562209901, t4,
-			0.0006494617608214901*t2));
-		const double t12 = RNEA_FMA(0.00037360518546370006, t3 + dw2z, RNEA_FMA(-0.0007047539229190357, t8,
-			0.0012845430941234445*qdd2));
-		const double t13 = RNEA_FMA(0.00023895608229411601, t5 - t9, RNEA_FMA(-0.00014667393410483002, t2 - t4,
-			t12));
-		const double n2x = RNEA_FMA(-0.10287232465500001, c2, RNEA_FMA(0.00037360518546370006, t6 - t5,
-			RNEA_FMA(0.00023895608229411601, dw2z - t3, t11)));
-		across[2*step] = n2x;
-		const double t14 = RNEA_FMA(0.00037360518546370006, t10, RNEA_FMA(-0.00023895608229411601, t7,
-			RNEA_FMA(0.0006350813333019544, dw2z, 5.5292162097545597e-05*t3)));
-		const double t15 = 0.05*t7;
-		const double a3x = RNEA_FMA(-9.81, s2, 0.05*t10);
-		const double n2z = RNEA_FMA(-0.10287232465500001, s2, RNEA_FMA(-0.00014667393410483002, t9 - t6, t14));
+		const double t10 = qdd2 + t8;
+		const double t11 = qdd2 - t8;
+		const double t14 = RNEA_FMA(0.00037360518546370006, t3 + dw2z, RNEA_FMA(2.4970999133584804, qdd2,
+			1.9779777963414378*t8));
+		const double t15 = RNEA_FMA(0.11701435636229413, t5 - t9, RNEA_FMA(-0.00014667393410483002, t2 - t4,
+			t14));
+		const double n2y = RNEA_FMA(-50.97055787670601, s2, 22.975314014921402*c2) + t15;
+		across[2*step] = n2y;
+		const double t12 = dw2z - t3;
+		const double t16 = RNEA_FMA(0.00037360518546370006, t11, RNEA_FMA(-0.11701435636229413, t7,
+			RNEA_FMA(-2.4970999133584804, t3, 1.9779777963414378*dw2z)));
+		const double t17 = RNEA_FMA(0.05, t7, 0.1406*t12);
+		const double t13 = RNEA_FMA(0.11701435636229413, t12, -RNEA_FMA(0.00014667393410483002, t10,
+			0.5191221170170426*t2));
+		const double t18 = RNEA_FMA(9.81, c2, -RNEA_FMA(0.05, t6 + t9, 0.1406*t10));
+		const double n2z = RNEA_FMA(-0.00014667393410483002, t9 - t6, t16);
 		across[3*step] = n2z;
-		const double n2y = RNEA_FMA(-0.23982823470600004, s2, 0.0639804799854*c2) + t13;
-		across[4*step] = n2y;
+		const double n2x = RNEA_FMA(0.00037360518546370006, t6 - t5, t13);
+		across[4*step] = n2x;
+		const double a3x = RNEA_FMA(-9.81, s2, RNEA_FMA(-0.1406, t5 + t6, 0.05*t11));
+		across[5*step] = a3x;
 
 		/* ---- out to link 3 "utorso" (fpass) ---- */
 		const double q3 = q[2*stride];
 		double s3, c3;
 		all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
-		across[5*step] = s3;
-		across[6*step] = c3;
+		across[6*step] = s3;
+		across[7*step] = c3;
 		const double qd3 = qd[2*stride];
 		const double w3x = qd3 - t1;
-		across[7*step] = w3x;
+		across[8*step] = w3x;
 		const double qdd3 = qdd[2*stride];
 		const double dw3x = qdd3 - t4;
-		across[8*step] = dw3x;
+		across[9*step] = dw3x;
 		const double w3y = RNEA_FMA(qd2, c3, w2z*s3);
-		across[9*step] = w3y;
+		across[10*step] = w3y;
 		const double w3z = RNEA_FMA(s3, -qd2, w2z*c3);
-		across[10*step] = w3z;
+		across[11*step] = w3z;
 		const double dw3y = RNEA_FMA(qd3, w3z, RNEA_FMA(qdd2, c3, dw2z*s3));
-		across[11*step] = dw3y;
+		across[12*step] = dw3y;
 		const double dw3z = RNEA_FMA(w3y, -qd3, RNEA_FMA(s3, -qdd2, dw2z*c3));
-		across[12*step] = dw3z;
-		const double a3y = RNEA_FMA(c3, t15, s3*t16);
-		const double a3z = RNEA_FMA(t15, -s3, c3*t16);
-		const double t17 = w3y*w3z;
-		const double t18 = w3z*w3z;
-		const double t19 = w3y*w3y;
-		const double t20 = t18 + t19;
-		const double t21 = t17 - dw3x;
-		const double t22 = dw3x + t17;
-		const double t23 = w3z*w3x;
-		const double t24 = w3x*w3x;
-		const double t25 = t18 + t24;
-		const double t26 = t23 - dw3y;
-		const double t27 = dw3y + t23;
-		const double t28 = w3y*w3x;
-		const double t29 = t19 + t24;
-		const double t30 = t28 - dw3z;
-		const double t33 = RNEA_FMA(-0.01992444846, t22, RNEA_FMA(0.014290218989999999, t30,
-			RNEA_FMA(10.46938366997,
-			dw3y, 9.21662383885*t23)));
-		const double n3y = RNEA_FMA(26.8049213, a3x, 5.2192398*a3z) + RNEA_FMA(1.73516570486, t18 - t24, t33);
-		across[13*step] = n3y;
-		const double t31 = dw3z + t28;
-		const double t34 = RNEA_FMA(-0.014290218989999999, t27, RNEA_FMA(-1.73516570486, t21,
-			RNEA_FMA(0.8997646391699999, dw3z, 0.3529951919500001*t28)));
-		const double n3z = RNEA_FMA(-0.01992444846, t24 - t19, t34) - RNEA_FMA(5.2192398, a3y, 0.1941407*a3x);
-		across[14*step] = n3z;
-		const double t32 = RNEA_FMA(1.73516570486, t31, RNEA_FMA(0.01992444846, t26, RNEA_FMA(-9.5696190308,
-			t17,
-			10.11638847802*dw3x)));
-		const double n3x = RNEA_FMA(-26.8049213, a3y, 0.1941407*a3z) + RNEA_FMA(-0.014290218989999999, t19
-			- t18, t32);
-		across[15*step] = n3x;
-		const double f3x = RNEA_FMA(84.60900000000001, a3x, RNEA_FMA(26.8049213, t27, RNEA_FMA(0.1941407, t30,
-			5.2192398*t20)));
-		across[16*step] = f3x;
-		const double t40 = 0.2256*t30;
-		const double f3y = RNEA_FMA(84.60900000000001, a3y, RNEA_FMA(26.8049213, t21, -RNEA_FMA(0.1941407, t25,
-			5.2192398*t31)));
-		across[17*step] = f3y;
-		const double t43 = 0.2256*t25;
-		const double f3z = RNEA_FMA(84.60900000000001, a3z, RNEA_FMA(-26.8049213, t29, RNEA_FMA(-5.2192398, t26,
-			0.1941407*t22)));
-		across[18*step] = f3z;
-		const double t46 = 0.2256*t22;
+		across[13*step] = dw3z;
+		const double a3y = RNEA_FMA(c3, t17, s3*t18);
+		const double a3z = RNEA_FMA(t17, -s3, c3*t18);
+		across[14*step] = a3z;
+		const double t19 = w3y*w3z;
+		const double t20 = w3z*w3z;
+		across[15*step] = t20;
+		const double t21 = w3y*w3y;
+		across[16*step] = t21;
+		const double t22 = t19 - dw3x;
+		const double t23 = dw3x + t19;
+		const double t24 = w3z*w3x;
+		const double t25 = w3x*w3x;
+		const double t26 = t20 + t25;
+		const double t27 = t24 - dw3y;
+		across[17*step] = t27;
+		const double t28 = dw3y + t24;
+		across[18*step] = t28;
+		const double t29 = w3y*w3x;
+		const double t30 = t21 + t25;
+		across[19*step] = t30;
+		const double t31 = t29 - dw3z;
+		const double t34 = RNEA_FMA(0.007363645603079802, t23, RNEA_FMA(0.01433431472531495, t31,
+			RNEA_FMA(11.339832197418882, dw3y, 13.629484321119117*t24)));
+		const double n3y = RNEA_FMA(33.431792326, a3x, RNEA_FMA(5.356031642676, t20 - t25, t34));
+		across[20*step] = n3y;
+		const double t32 = dw3z + t29;
+		const double t35 = -RNEA_FMA(0.01433431472531495, t28, RNEA_FMA(5.356031642676, t22,
+			2.289652123700234*t29));
+		const double n3z = RNEA_FMA(-0.1942116504993, a3x, RNEA_FMA(0.007363645603079802, t25 - t21, t35));
+		across[21*step] = n3z;
+		const double t33 = RNEA_FMA(5.356031642676, t32, RNEA_FMA(-0.007363645603079802, t27,
+			RNEA_FMA(-11.339832197418882, t19, 13.629484321119117*dw3x)));
+		const double a11y = a3y + RNEA_FMA(0.6215, t22, 0.11399999999999999*t32);
+		across[22*step] = a11y;
+		const double f3y = RNEA_FMA(-0.1942116504993, t26, 33.431792326*t22);
+		across[23*step] = f3y;
+		const double t38 = 0.2256*t26;
+		const double n3x = RNEA_FMA(-33.431792326, a3y, 0.1942116504993*a3z) + RNEA_FMA(-0.01433431472531495,
+			t21 - t20,
+			t33);
+		across[24*step] = n3x;
+		const double f3x = RNEA_FMA(33.431792326, t28, 0.1942116504993*t31);
+		across[25*step] = f3x;
+		const double t37 = 0.2256*t31;
+		const double f3z = RNEA_FMA(-33.431792326, t30, 0.1942116504993*t23);
+		across[26*step] = f3z;
+		const double t39 = 0.2256*t23;
 
 		/* ---- out to link 4 "l_clav" (fpass) ---- */
 		const double q4 = q[3*stride];
 		double s4, c4;
 		all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
-		across[19*step] = s4;
-		across[20*step] = c4;
+		const double t36 = RNEA_FMA(2.0682310711021444e-13, c4, s4);
+		across[27*step] = t36;
+		const double ca4 = RNEA_FMA(2.0682310711021444e-13, s4, -c4);
+		across[28*step] = ca4;
 		const double qdd4 = qdd[3*stride];
 		const double dw4z = dw3z + qdd4;
-		const double t35 = RNEA_FMA(2.0682310711021444e-13, w3y, w3x);
-		const double t36 = RNEA_FMA(2.0682310711021444e-13, w3x, -w3y);
-		const double t37 = RNEA_FMA(2.0682310711021444e-13, dw3y, dw3x);
-		const double t38 = RNEA_FMA(2.0682310711021444e-13, dw3x, -dw3y);
-		const double t39 = 0.1406*t20;
-		const double t171 = a3x + RNEA_FMA(-0.2546, t20, 0.6215*t27);
-		across[21*step] = t171;
-		const double t41 = 0.4776*t27;
-		const double t42 = 0.1406*t31;
-		const double a11y = a3y + RNEA_FMA(0.6215, t21, 0.2546*t31);
-		across[22*step] = a11y;
-		const double t44 = 0.4776*t21;
-		const double t45 = 0.1406*t26;
-		const double t172 = a3z + RNEA_FMA(-0.6215, t29, 0.2546*t26);
-		across[23*step] = t172;
-		const double t47 = 0.4776*t29;
-		const double t48 = a3x + (t40 - t39 + t41);
-		const double t191 = a3x + (t41 - (t39 + t40));
-		across[24*step] = t191;
-		const double t49 = a3y + (t42 - t43 + t44);
-		const double t192 = a3y + (t44 + (t42 + t43));
-		across[25*step] = t192;
-		const double a4z = a3z + (t45 + t46 - t47);
-		const double a12z = a3z + (t45 - t46 - t47);
-		across[26*step] = a12z;
-		const double t50 = RNEA_FMA(2.0682310711021444e-13, t49, t48);
-		const double t51 = RNEA_FMA(2.0682310711021444e-13, t48, -t49);
-		const double w4x = RNEA_FMA(t35, -c4, s4*t36);
-		const double w4y = RNEA_FMA(s4, t35, c4*t36);
+		const double t40 = a3x + t37;
+		const double t147 = a3x - t37;
+		across[29*step] = t147;
+		const double t41 = a3y - t38;
+		const double t148 = a3y + t38;
+		across[30*step] = t148;
+		const double a4z = a3z + t39;
+		const double a12z = a3z - t39;
+		across[31*step] = a12z;
+		const double w4x = RNEA_FMA(t36, -w3y, w3x*ca4);
+		const double w4y = RNEA_FMA(w3x, t36, w3y*ca4);
 		const double qd4 = qd[3*stride];
 		const double w4z = w3z + qd4;
-		const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(t37, -c4, s4*t38));
-		const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(s4, t37, c4*t38));
-		const double a4x = RNEA_FMA(t50, -c4, s4*t51);
-		const double a4y = RNEA_FMA(s4, t50, c4*t51);
-		const double t52 = w4y*w4z;
-		const double t53 = w4z*w4z;
-		const double t54 = w4y*w4y;
-		const double t55 = t52 - dw4x;
-		const double t56 = w4x*w4z;
-		const double t57 = w4x*w4x;
-		const double t58 = dw4y + t56;
-		const double t59 = w4x*w4y;
-		const double t60 = t54 + t57;
-		const double t63 = a4y + RNEA_FMA(-0.245, t55, 0.11*(t53 + t57));
-		const double n4x = RNEA_FMA(0.37514400000000003, a4y, RNEA_FMA(0.004, t54 - t53,
-			RNEA_FMA(-0.03651209600000001,
-			t52, 0.042512096000000006*dw4x)));
-		across[27*step] = n4x;
-		const double t64 = a4z + RNEA_FMA(-0.11, dw4x + t52, 0.245*t60);
-		const double f4z = RNEA_FMA(4.466, a4z, 0.37514400000000003*t60);
-		across[28*step] = f4z;
-		const double f4y = RNEA_FMA(-0.37514400000000003, t55, 4.466*a4y);
-		across[29*step] = f4y;
-		const double t61 = t59 - dw4z;
-		const double n4z = RNEA_FMA(0.004, t58, RNEA_FMA(-0.002, t59, 0.004*dw4z));
-		across[30*step] = n4z;
-		const double n4y = RNEA_FMA(-0.37514400000000003, a4x, RNEA_FMA(-0.004, t61,
-			RNEA_FMA(0.040512096000000004,
-			dw4y, 0.038512096*t56)));
-		across[31*step] = n4y;
-		const double a5x = a4x - RNEA_FMA(0.245, t58, 0.11*t61);
-		across[32*step] = a5x;
-		const double f4x = RNEA_FMA(-0.37514400000000003, t58, 4.466*a4x);
-		across[33*step] = f4x;
+		const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(t36, -dw3y, dw3x*ca4));
+		const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(dw3x, t36, dw3y*ca4));
+		const double a4x = RNEA_FMA(t41, -t36, ca4*t40);
+		const double a4y = RNEA_FMA(t36, t40, ca4*t41);
+		const double t42 = w4y*w4z;
+		const double t43 = w4z*w4z;
+		const double t44 = w4y*w4y;
+		const double t45 = dw4x + t42;
+		across[32*step] = t45;
+		const double t46 = w4x*w4z;
+		across[33*step] = t46;
+		const double t47 = w4x*w4x;
+		const double t48 = t43 + t47;
+		across[34*step] = t48;
+		const double t54 = a4z - RNEA_FMA(0.23260000000000003, t44 + t47, 0.11*t45);
+		const double n4x = RNEA_FMA(-0.42889, a4z, RNEA_FMA(0.10375981400000002, t44 - t43, RNEA_FMA(0.0433479,
+			dw4x,
+			0.0570079*t42)));
+		across[35*step] = n4x;
+		const double t53 = a4y + RNEA_FMA(0.23260000000000003, t42 - dw4x, 0.11*t48);
+		const double t49 = dw4y + t46;
+		const double t50 = w4x*w4y;
+		const double t51 = t50 - dw4z;
+		across[36*step] = t51;
+		const double n4z = RNEA_FMA(0.42889, a4x, RNEA_FMA(0.10375981400000002, t49, RNEA_FMA(-0.0433479, t50,
+			0.0570079*dw4z)));
+		across[37*step] = n4z;
+		const double a5x = a4x + RNEA_FMA(-0.11, t51, 0.23260000000000003*t49);
 
 		/* ---- out to link 5 "l_scap" (fpass) ---- */
 		const double q5 = q[4*stride];
-		double t62, c5;
-		all_small &= rneagen_sincos_known(q5, known, sines + 6, &t62, &c5);
-		across[34*step] = t62;
-		across[35*step] = c5;
+		double t52, c5;
+		all_small &= rneagen_sincos_known(q5, known, sines + 6, &t52, &c5);
+		across[38*step] = t52;
+		across[39*step] = c5;
 		const double qd5 = qd[4*stride];
 		const double w5x = w4x - qd5;
-		across[36*step] = w5x;
+		across[40*step] = w5x;
 		const double qdd5 = qdd[4*stride];
 		const double dw5x = dw4x - qdd5;
-		across[37*step] = dw5x;
-		const double w5y = RNEA_FMA(t62, -w4z, w4y*c5);
-		const double w5z = RNEA_FMA(w4y, t62, w4z*c5);
-		across[38*step] = w5z;
-		const double dw5y = RNEA_FMA(w5z, -qd5, RNEA_FMA(t62, -dw4z, dw4y*c5));
-		const double dw5z = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4y, t62, dw4z*c5));
-		across[39*step] = dw5z;
-		const double a5y = RNEA_FMA(t64, -t62, c5*t63);
-		across[40*step] = a5y;
-		const double a5z = RNEA_FMA(t62, t63, c5*t64);
-		across[41*step] = a5z;
-		const double t65 = w5y*w5z;
-		const double t66 = w5z*w5x;
-		const double t67 = w5x*w5x;
-		const double t68 = w5y*w5x;
-		const double n5y = RNEA_FMA(-0.00264, t66, 0.00583*dw5y);
-		across[42*step] = n5y;
-		const double t70 = a5x - RNEA_FMA(0.016, dw5y + t66, 0.187*(t68 - dw5z));
-		across[43*step] = t70;
-		const double n5z = RNEA_FMA(0.00583, dw5z, 0.00264*t68);
-		across[44*step] = n5z;
+		across[41*step] = dw5x;
+		const double w5y = RNEA_FMA(t52, -w4z, w4y*c5);
+		across[42*step] = w5y;
+		const double w5z = RNEA_FMA(w4y, t52, w4z*c5);
+		across[43*step] = w5z;
+		const double dw5y = RNEA_FMA(w5z, -qd5, RNEA_FMA(t52, -dw4z, dw4y*c5));
+		across[44*step] = dw5y;
+		const double dw5z = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4y, t52, dw4z*c5));
+		across[45*step] = dw5z;
+		const double a5y = RNEA_FMA(t54, -t52, c5*t53);
+		const double a5z = RNEA_FMA(t52, t53, c5*t54);
+		const double t58 = RNEA_FMA(0.016, RNEA_FMA(w5x, w5x, w5y*w5y), a5z);
+		across[46*step] = t58;
+		const double a6y = RNEA_FMA(-0.016, RNEA_FMA(w5y, w5z, -dw5x), a5y);
+		across[47*step] = a6y;
+		const double t55 = w5z*w5x;
+		across[48*step] = t55;
+		const double t57 = RNEA_FMA(-0.016, dw5y + t55, a5x);
+		across[49*step] = t57;
 
 		/* ---- out to link 6 "l_uarm" (fpass) ---- */
 		const double q6 = q[5*stride];
-		double t69, c6;
-		all_small &= rneagen_sincos_known(q6, known, sines + 8, &t69, &c6);
-		across[45*step] = t69;
-		across[46*step] = c6;
-		const double qdd6 = qdd[5*stride];
-		const double dw6y = dw5y - qdd6;
-		across[47*step] = dw6y;
-		const double a6y = a5y + RNEA_FMA(-0.016, t65 - dw5x, 0.187*RNEA_FMA(w5z, w5z, t67));
-		across[48*step] = a6y;
-		const double t71 = a5z + RNEA_FMA(-0.187, dw5x + t65, 0.016*RNEA_FMA(w5y, w5y, t67));
-		across[49*step] = t71;
-		const double qd6 = qd[5*stride];
-		const double w6y = w5y - qd6;
-		across[50*step] = w6y;
+		double t56, c6;
+		all_small &= rneagen_sincos_known(q6, known, sines + 8, &t56, &c6);
+		across[50*step] = t56;
+		across[51*step] = c6;
 	}
 	return all_small;
 }
@@ -406,249 +381,252 @@ static RNEA_INLINE int atlas_rnea_segment1(const double *first_q, const double *
 		const double *const qdd = first_qdd + l;
 		double *const tau = first_tau + l;
 		double *const across = first_across + l;
-		const double t69 = across[45*step];
-		const double w5x = across[36*step];
-		const double w5z = across[38*step];
-		const double c6 = across[46*step];
-		const double w6z = RNEA_FMA(t69, -w5x, w5z*c6);
-		const double w6x = RNEA_FMA(w5z, t69, w5x*c6);
+		const double dw5y = across[44*step];
+		const double qdd6 = qdd[5*stride];
+		const double dw6y = dw5y - qdd6;
+		const double t56 = across[50*step];
+		const double w5x = across[40*step];
+		const double w5z = across[43*step];
+		const double c6 = across[51*step];
+		const double w6z = RNEA_FMA(t56, -w5x, w5z*c6);
+		const double w6x = RNEA_FMA(w5z, t56, w5x*c6);
+		const double w5y = across[42*step];
 		const double qd6 = qd[5*stride];
-		const double dw5z = across[39*step];
-		const double dw5x = across[37*step];
-		const double dw6x = RNEA_FMA(qd6, w6z, RNEA_FMA(dw5z, t69, dw5x*c6));
-		const double dw6z = RNEA_FMA(w6x, -qd6, RNEA_FMA(t69, -dw5x, dw5z*c6));
-		const double t70 = across[43*step];
-		const double t71 = across[49*step];
-		const double a6z = RNEA_FMA(t70, -t69, c6*t71);
-		const double a6x = RNEA_FMA(t69, t71, c6*t70);
-		const double w6y = across[50*step];
-		const double t72 = w6z*w6y;
-		const double t73 = dw6x + t72;
-		const double t74 = w6x*w6x;
-		const double t75 = RNEA_FMA(w6z, w6z, t74);
-		const double t80 = a6z - RNEA_FMA(0.0092, RNEA_FMA(w6y, w6y, t74), 0.119*t73);
-		const double f6z = RNEA_FMA(4.386, a6z, 0.28509*t73);
-		across[51*step] = f6z;
-		const double n6x = RNEA_FMA(0.28509, a6z, RNEA_FMA(0.02509085, dw6x, 0.02151085*t72));
-		const double a6y = across[48*step];
-		const double t79 = a6y + RNEA_FMA(0.0092, t72 - dw6x, 0.119*t75);
-		const double f6y = RNEA_FMA(-0.28509, t75, 4.386*a6y);
-		const double t76 = w6x*w6y;
-		const double t77 = t76 - dw6z;
-		const double n6z = RNEA_FMA(-0.28509, a6x, RNEA_FMA(-0.02151085, t76, 0.02509085*dw6z));
-		const double f6x = RNEA_FMA(4.386, a6x, 0.28509*t77);
-		const double dw6y = across[47*step];
-		const double a7x = a6x + RNEA_FMA(-0.119, t77, 0.0092*RNEA_FMA(w6z, w6x, dw6y));
+		const double w6y = w5y - qd6;
+		const double dw5z = across[45*step];
+		const double dw5x = across[41*step];
+		const double dw6x = RNEA_FMA(qd6, w6z, RNEA_FMA(dw5z, t56, dw5x*c6));
+		const double dw6z = RNEA_FMA(w6x, -qd6, RNEA_FMA(-dw5x, t56, dw5z*c6));
+		const double t57 = across[49*step];
+		const double t58 = across[46*step];
+		const double a6z = RNEA_FMA(t57, -t56, c6*t58);
+		const double a6x = RNEA_FMA(t56, t58, c6*t57);
+		const double t59 = w6z*w6y;
+		const double t60 = dw6x + t59;
+		const double t61 = w6x*w6x;
+		const double t62 = RNEA_FMA(w6z, w6z, t61);
+		const double t67 = a6z - RNEA_FMA(0.0092, RNEA_FMA(w6y, w6y, t61), 0.306*t60);
+		const double f6z = RNEA_FMA(-0.535092, t60, 4.386*a6z);
+		const double n6x = RNEA_FMA(-0.535092, a6z, RNEA_FMA(0.071841224, dw6x, 0.068261224*t59));
+		const double a6y = across[47*step];
+		const double t66 = a6y + RNEA_FMA(0.0092, t59 - dw6x, 0.306*t62);
+		const double f6y = RNEA_FMA(4.386, a6y, 0.535092*t62);
+		const double t63 = w6x*w6y;
+		const double t64 = t63 - dw6z;
+		const double n6z = RNEA_FMA(0.535092, a6x, RNEA_FMA(-0.068261224, t63, 0.071841224*dw6z));
+		const double f6x = RNEA_FMA(-0.535092, t64, 4.386*a6x);
+		const double a7x = a6x + RNEA_FMA(-0.306, t64, 0.0092*RNEA_FMA(w6z, w6x, dw6y));
 
 		/* ---- out to link 7 "l_larm" (fpass) ---- */
 		const double q7 = q[6*stride];
-		double t78, c7;
-		all_small &= rneagen_sincos_known(q7, known, sines + 10, &t78, &c7);
+		double t65, c7;
+		all_small &= rneagen_sincos_known(q7, known, sines + 10, &t65, &c7);
 		const double qd7 = qd[6*stride];
 		const double w7x = w6x - qd7;
 		const double qdd7 = qdd[6*stride];
 		const double dw7x = dw6x - qdd7;
-		const double w7y = RNEA_FMA(t78, -w6z, w6y*c7);
-		const double w7z = RNEA_FMA(w6y, t78, w6z*c7);
-		const double dw7y = RNEA_FMA(w7z, -qd7, RNEA_FMA(t78, -dw6z, dw6y*c7));
-		const double dw7z = RNEA_FMA(qd7, w7y, RNEA_FMA(dw6y, t78, dw6z*c7));
-		const double a7y = RNEA_FMA(t80, -t78, c7*t79);
-		const double a7z = RNEA_FMA(t78, t79, c7*t80);
-		const double t81 = w7y*w7z;
-		const double t82 = w7z*w7x;
-		const double t83 = w7x*w7x;
-		const double t84 = w7y*w7x;
-		const double n7y = RNEA_FMA(-0.0018100000000000004, t82, 0.00446*dw7y);
-		const double t90 = a7x - RNEA_FMA(0.00921, dw7y + t82, 0.29955*(t84 - dw7z));
-		const double n7z = RNEA_FMA(0.00446, dw7z, 0.0018100000000000004*t84);
+		const double w7y = RNEA_FMA(t65, -w6z, w6y*c7);
+		const double w7z = RNEA_FMA(w6y, t65, w6z*c7);
+		const double dw7y = RNEA_FMA(w7z, -qd7, RNEA_FMA(t65, -dw6z, dw6y*c7));
+		const double dw7z = RNEA_FMA(qd7, w7y, RNEA_FMA(dw6y, t65, dw6z*c7));
+		const double a7y = RNEA_FMA(t67, -t65, c7*t66);
+		const double a7z = RNEA_FMA(t65, t66, c7*t67);
+		const double t68 = w7z*w7x;
+		const double n7y = RNEA_FMA(-0.0018100000000000004, t68, 0.00446*dw7y);
+		const double t70 = RNEA_FMA(-0.00921, dw7y + t68, a7x);
+		const double n7z = RNEA_FMA(0.00446, dw7z, 0.0018100000000000004*(w7y*w7x));
 
 		/* ---- out to link 8 "l_ufarm" (fpass) ---- */
 		const double q8 = q[7*stride];
-		double t85, c8;
-		all_small &= rneagen_sincos_known(q8, known, sines + 12, &t85, &c8);
+		double t69, c8;
+		all_small &= rneagen_sincos_known(q8, known, sines + 12, &t69, &c8);
+		const double sa8 = RNEA_FMA(2.0682310711021444e-13, t69, c8);
+		const double ca8 = RNEA_FMA(-2.0682310711021444e-13, c8, t69);
 		const double qdd8 = qdd[7*stride];
 		const double dw8y = dw7y - qdd8;
-		const double t86 = RNEA_FMA(2.0682310711021444e-13, w7z, -w7x);
-		const double t87 = RNEA_FMA(2.0682310711021444e-13, w7x, w7z);
-		const double a8y = a7y + RNEA_FMA(-0.00921, t81 - dw7x, 0.29955*RNEA_FMA(w7z, w7z, t83));
-		const double t91 = a7z + RNEA_FMA(-0.29955, dw7x + t81, 0.00921*RNEA_FMA(w7y, w7y, t83));
+		const double a8y = RNEA_FMA(-0.00921, RNEA_FMA(w7y, w7z, -dw7x), a7y);
+		const double t71 = RNEA_FMA(0.00921, RNEA_FMA(w7x, w7x, w7y*w7y), a7z);
 		const double qd8 = qd[7*stride];
 		const double w8y = w7y - qd8;
-		const double t88 = RNEA_FMA(2.0682310711021444e-13, dw7z, -dw7x);
-		const double t89 = RNEA_FMA(2.0682310711021444e-13, dw7x, dw7z);
-		const double t92 = RNEA_FMA(2.0682310711021444e-13, t91, -t90);
-		const double t93 = RNEA_FMA(2.0682310711021444e-13, t90, t91);
-		const double t94 = RNEA_FMA(c8, t87, t85*t86);
-		const double w8x = RNEA_FMA(t87, -t85, c8*t86);
-		const double dw8x = RNEA_FMA(t94, -qd8, RNEA_FMA(t89, -t85, c8*t88));
-		const double t95 = RNEA_FMA(qd8, w8x, RNEA_FMA(c8, t89, t85*t88));
-		const double t96 = RNEA_FMA(c8, t93, t85*t92);
-		const double a8x = RNEA_FMA(t93, -t85, c8*t92);
-		const double t97 = t94*w8y;
-		const double t98 = t94*t94;
-		const double t99 = w8y*w8y;
-		const double t100 = t94*w8x;
-		const double t101 = w8x*w8x;
-		const double t102 = w8x*w8y;
-		const double t103 = RNEA_FMA(-0.00015, t98 + t99, 0.08296*(t95 + t102));
-		const double t104 = RNEA_FMA(-0.08296, t98 + t101, 0.00015*(t102 - t95));
-		const double t107 = a8y + RNEA_FMA(-0.00037, dw8x + t97, t104);
-		const double t106 = a8x + RNEA_FMA(0.00037, dw8y - t100, t103);
-		const double n8z = RNEA_FMA(-0.20572420800000002, t106, 0.00037196999999999995*t107)
-			- RNEA_FMA(0.011948, t95,
-			0.009873999999999999*t102);
-		const double t105 = RNEA_FMA(-0.00015, dw8y + t100, 0.08296*(dw8x - t97));
-		const double t108 = RNEA_FMA(-0.00037, t99 + t101, t105) - t96;
-		const double n8y = RNEA_FMA(-0.00037196999999999995, t108, 0.000917526*t106)
-			+ RNEA_FMA(-0.000782999999999999,
-			t100, 0.002857*dw8y);
-		const double n8x = RNEA_FMA(-0.000917526, t107, 0.20572420800000002*t108) + RNEA_FMA(-0.009091, t97,
-			0.012731*dw8x);
+		const double w8z = RNEA_FMA(sa8, -w7z, w7x*ca8);
+		const double t72 = RNEA_FMA(w7x, sa8, w7z*ca8);
+		const double dw8x = RNEA_FMA(qd8, w8z, -RNEA_FMA(dw7x, sa8, dw7z*ca8));
+		const double dw8z = RNEA_FMA(qd8, t72, RNEA_FMA(sa8, -dw7z, dw7x*ca8));
+		const double a8z = RNEA_FMA(t71, -sa8, ca8*t70);
+		const double t73 = RNEA_FMA(sa8, t70, ca8*t71);
+		const double t74 = w8z*w8y;
+		const double t75 = w8z*w8z;
+		const double t76 = w8y*w8y;
+		const double t77 = t74 - dw8x;
+		const double t78 = dw8x + t74;
+		const double t79 = w8z*t72;
+		const double t80 = t72*t72;
+		const double t81 = t75 + t80;
+		const double t82 = dw8y + t79;
+		const double t83 = dw8y - t79;
+		const double t84 = t72*w8y;
+		const double t85 = dw8z + t84;
+		const double t89 = RNEA_FMA(0.00011356341029999999, t78, RNEA_FMA(0.00019872695633999998, t85,
+			RNEA_FMA(0.00991830885275, dw8y, 0.00627762988351*t79)));
+		const double n8y = RNEA_FMA(-1.3762889999999998e-07, t75 - t80, t89) - RNEA_FMA(0.000917526, t73,
+			0.00048213*a8z);
+		const double t86 = dw8z - t84;
+		const double t90 = RNEA_FMA(0.00019872695633999998, t83, RNEA_FMA(1.3762889999999998e-07, t77,
+			RNEA_FMA(0.25485108952026, dw8z, 0.23865515078399996*t84)));
+		const double f8y = RNEA_FMA(3.8117, a8y, RNEA_FMA(0.000917526, t77, RNEA_FMA(0.9360705269999999, t81,
+			0.00048213*t86)));
+		const double t88 = RNEA_FMA(-1.3762889999999998e-07, t86, RNEA_FMA(0.00011356341029999999, t82,
+			RNEA_FMA(0.24857345963674995, dw8x, 0.24493278066750995*t74)));
+		const double t87 = -RNEA_FMA(0.000917526, t76 + t80, RNEA_FMA(0.9360705269999999, t78, 0.00048213*t82));
+		const double t92 = RNEA_FMA(-0.29955, t78, a8z);
+		const double n8z = RNEA_FMA(-0.9360705269999999, t73, 0.00048213*a8y) + RNEA_FMA(0.00011356341029999999,
+			t80
+			- t76, t90);
+		const double f8z = RNEA_FMA(3.8117, a8z, t87);
+		const double n8x = RNEA_FMA(0.00019872695633999998, t76 - t75, t88) - RNEA_FMA(0.9360705269999999, a8z,
+			0.000917526*a8y);
+		const double t91 = RNEA_FMA(0.29955, t81, a8y);
+		const double f8x = RNEA_FMA(-3.8117, t73, RNEA_FMA(0.000917526, t83, RNEA_FMA(-0.00048213, t75 + t76,
+			0.9360705269999999*t85)));
+		const double a9x = RNEA_FMA(0.29955, t85, -t73);
 
 		/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 		const double q9 = q[8*stride];
 		double s9, c9;
 		all_small &= rneagen_sincos_known(q9, known, sines + 14, &s9, &c9);
 		const double qd9 = qd[8*stride];
-		const double w9x = w8x + qd9;
+		const double w9x = qd9 - t72;
 		const double qdd9 = qdd[8*stride];
 		const double dw9x = dw8x + qdd9;
-		const double w9y = RNEA_FMA(s9, -t94, w8y*c9);
-		const double t109 = RNEA_FMA(w8y, s9, t94*c9);
-		const double dw9y = RNEA_FMA(t109, -qd9, RNEA_FMA(s9, -t95, dw8y*c9));
-		const double t110 = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8y, s9, t95*c9));
-		const double a9y = RNEA_FMA(s9, -t96, a8y*c9);
-		const double t111 = RNEA_FMA(a8y, s9, t96*c9);
-		const double t112 = w9y*t109;
-		const double t113 = t109*t109;
-		const double t114 = w9y*w9y;
-		const double t115 = t109*w9x;
-		const double t116 = w9x*w9x;
-		const double t117 = w9y*w9x;
-		const double t118 = -RNEA_FMA(0.02515, t110 + t117, 0.00017*(t113 + t114));
-		const double t119 = RNEA_FMA(0.02515, t113 + t116, 0.00017*(t117 - t110));
-		const double t122 = a9y + RNEA_FMA(-0.00163, dw9x + t112, t119);
-		const double t121 = a8x + RNEA_FMA(0.00163, dw9y - t115, t118);
-		const double n9z = RNEA_FMA(0.00011016000000000002, t122, 0.0162972*t121) - RNEA_FMA(0.000825, t110,
-			0.000335*t117);
-		const double t120 = RNEA_FMA(0.02515, dw9x - t112, 0.00017*(dw9y + t115));
-		const double t123 = t111 + RNEA_FMA(0.00163, t114 + t116, t120);
-		const double n9y = RNEA_FMA(0.00105624, t121, 0.00011016000000000002*t123) + RNEA_FMA(0.000429, dw9y,
-			6.0999999999999965e-05*t115);
-		const double n9x = RNEA_FMA(-0.00105624, t122, 0.0162972*t123) + RNEA_FMA(-0.000396, t112,
-			0.000764*dw9x);
+		const double w9y = RNEA_FMA(w8y, c9, w8z*s9);
+		const double w9z = RNEA_FMA(s9, -w8y, w8z*c9);
+		const double dw9y = RNEA_FMA(qd9, w9z, RNEA_FMA(dw8y, c9, dw8z*s9));
+		const double dw9z = RNEA_FMA(w9y, -qd9, RNEA_FMA(s9, -dw8y, dw8z*c9));
+		const double a9y = RNEA_FMA(c9, t91, s9*t92);
+		const double a9z = RNEA_FMA(t91, -s9, c9*t92);
+		const double t93 = w9y*w9z;
+		const double t94 = w9z*w9z;
+		const double t95 = w9y*w9y;
+		const double t96 = t93 - dw9x;
+		const double t97 = dw9x + t93;
+		const double t98 = w9z*w9x;
+		const double t104 = RNEA_FMA(-2.7705240000000002e-06, t98 - dw9y, RNEA_FMA(0.00700161651663, dw9x,
+			0.00663017317423*t93));
+		const double t99 = w9x*w9x;
+		const double t100 = dw9y + t98;
+		const double t101 = w9y*w9x;
+		const double t105 = RNEA_FMA(2.6564435999999998e-05, t95 - t94, RNEA_FMA(-1.7956080000000002e-07, dw9z
+			+ t101,
+			t104));
+		const double n9x = t105 - RNEA_FMA(0.076387601, a9z, 0.00105624*a9y);
+		const double t102 = t101 - dw9z;
+		const double t107 = RNEA_FMA(2.7705240000000002e-06, t99 - t95, RNEA_FMA(2.6564435999999998e-05, t100,
+			RNEA_FMA(-0.01363178969086, t101, 1.7956080000000002e-07*t96)));
+		const double f9y = RNEA_FMA(0.00105624, t96, 0.076387601*(t94 + t99));
+		const double f9x = RNEA_FMA(-0.076387601, t102, 0.00105624*t100);
+		const double t106 = RNEA_FMA(2.7705240000000002e-06, t97, RNEA_FMA(-2.6564435999999998e-05, t102,
+			RNEA_FMA(-0.00663017317423, dw9y, 0.00700161651663*t98)));
+		const double t103 = RNEA_FMA(0.00105624, t95 + t99, 0.076387601*t97);
+		const double n9y = RNEA_FMA(0.00105624, a9x, RNEA_FMA(-1.7956080000000002e-07, t94 - t99, t106));
+		const double n9z = RNEA_FMA(0.076387601, a9x, t107);
 
 		/* ---- out to link 10 "l_hand" (fpass) ---- */
 		const double q10 = q[9*stride];
-		double t124, c10;
-		all_small &= rneagen_sincos_known(q10, known, sines + 16, &t124, &c10);
+		double t108, c10;
+		all_small &= rneagen_sincos_known(q10, known, sines + 16, &t108, &c10);
 		const double qd10 = qd[9*stride];
 		const double w10y = w9y - qd10;
 		const double qdd10 = qdd[9*stride];
 		const double dw10y = dw9y - qdd10;
-		const double t125 = RNEA_FMA(2.0682310711021444e-13, t109, w9x);
-		const double t126 = RNEA_FMA(-2.0682310711021444e-13, w9x, t109);
-		const double t127 = RNEA_FMA(2.0682310711021444e-13, t110, dw9x);
-		const double t128 = RNEA_FMA(-2.0682310711021444e-13, dw9x, t110);
-		const double t129 = RNEA_FMA(2.0682310711021444e-13, t111, a8x);
-		const double t130 = RNEA_FMA(-2.0682310711021444e-13, a8x, t111);
-		const double w10z = RNEA_FMA(c10, t126, t124*t125);
-		const double w10x = RNEA_FMA(t125, -c10, t124*t126);
-		const double dw10x = RNEA_FMA(qd10, w10z, RNEA_FMA(t127, -c10, t124*t128));
-		const double dw10z = RNEA_FMA(w10x, -qd10, RNEA_FMA(c10, t128, t124*t127));
-		const double a10z = RNEA_FMA(c10, t130, t124*t129);
-		const double a10x = RNEA_FMA(t129, -c10, t124*t130);
-		const double t131 = w10z*w10y;
-		const double t132 = w10z*w10z;
-		const double t136 = w10z*w10x;
-		const double t133 = w10y*w10y;
-		const double t140 = w10x*w10y;
-		const double t137 = w10x*w10x;
-		const double t134 = t131 - dw10x;
-		const double t135 = dw10x + t131;
-		const double t138 = t136 - dw10y;
-		const double t139 = dw10y + t136;
-		const double t141 = t140 - dw10z;
-		const double t145 = RNEA_FMA(7.62246416e-06, t135, RNEA_FMA(-9.5280802e-07, t141,
-			RNEA_FMA(0.0004870151814,
-			dw10y, 8.985285720000002e-06*t136)));
-		const double t143 = RNEA_FMA(1.1678e-05, t139, -RNEA_FMA(0.060090400999999995, t141, 9.3424e-05*(t132
-			+ t133)));
-		const double t146 = RNEA_FMA(9.5280802e-07, t139, RNEA_FMA(1.86848e-09, t134,
-			RNEA_FMA(-0.005347990369749999,
-			t140, 0.0058260202654299995*dw10z)));
-		const double t142 = dw10z + t140;
-		const double t144 = RNEA_FMA(-1.86848e-09, t142, RNEA_FMA(-7.62246416e-06, t138,
-			RNEA_FMA(0.00583500555115,
-			dw10x, 0.00533900508403*t131)));
-		const double f10z = RNEA_FMA(0.6839, a10z, RNEA_FMA(-1.1678e-05, t133 + t137,
-			RNEA_FMA(-0.060090400999999995,
-			t135, 9.3424e-05*t138)));
-		const double f10y = RNEA_FMA(0.6839, a9y, RNEA_FMA(1.1678e-05, t134, RNEA_FMA(0.060090400999999995, t132
-			+ t137,
-			9.3424e-05*t142)));
-		const double f9y = RNEA_FMA(0.648, t122, f10y);
-		const double n10x = RNEA_FMA(9.5280802e-07, t133 - t132, t144) - RNEA_FMA(0.060090400999999995, a10z,
-			1.1678e-05*a9y);
-		const double n10z = RNEA_FMA(9.3424e-05, a9y, 0.060090400999999995*a10x) + RNEA_FMA(7.62246416e-06, t137
-			- t133,
-			t146);
-		const double n10y = RNEA_FMA(-9.3424e-05, a10z, 1.1678e-05*a10x) + RNEA_FMA(-1.86848e-09, t132 - t137,
-			t145);
-		const double f10x = RNEA_FMA(0.6839, a10x, t143);
+		const double w10z = RNEA_FMA(w9x, c10, w9z*t108);
+		const double w10x = RNEA_FMA(c10, -w9z, w9x*t108);
+		const double dw10x = RNEA_FMA(qd10, w10z, RNEA_FMA(c10, -dw9z, dw9x*t108));
+		const double dw10z = RNEA_FMA(w10x, -qd10, RNEA_FMA(dw9x, c10, dw9z*t108));
+		const double a10z = RNEA_FMA(a9x, c10, a9z*t108);
+		const double a10x = RNEA_FMA(c10, -a9z, a9x*t108);
+		const double t109 = w10z*w10y;
+		const double t110 = w10z*w10z;
+		const double t113 = w10z*w10x;
+		const double t111 = w10y*w10y;
+		const double t117 = w10x*w10y;
+		const double t114 = w10x*w10x;
+		const double t112 = t109 - dw10x;
+		const double t115 = t113 - dw10y;
+		const double t116 = dw10y + t113;
+		const double t121 = RNEA_FMA(7.622464160000197e-06, t117 - dw10z, RNEA_FMA(-8.98528572e-06, t113,
+			0.0004870151814*dw10y));
+		const double t122 = RNEA_FMA(1.8684800018583648e-09, t110 - t114, RNEA_FMA(9.528080199984234e-07, dw10x
+			+ t109,
+			t121));
+		const double n10y = t122 - RNEA_FMA(9.342400000000242e-05, a10x, 1.1677999999980678e-05*a10z);
 		tau[9*stride] = -n10y;
 		const double n9y_2 = n9y + n10y;
-
-		/* ---- back from link 10 "l_hand" to link 9 (bpass): torque of "l_arm_lwy" ---- */
-		/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
-		const double t147 = RNEA_FMA(c10, f10z, t124*f10x);
-		const double t148 = RNEA_FMA(f10z, -t124, c10*f10x);
-		const double f9z = RNEA_FMA(-0.648, t123, RNEA_FMA(2.0682310711021444e-13, t148, -t147));
-		const double f9x = RNEA_FMA(0.648, t121, -RNEA_FMA(2.0682310711021444e-13, t147, t148));
-		const double f8x = RNEA_FMA(2.4798, t106, f9x);
-		const double f8z = RNEA_FMA(2.4798, t108, RNEA_FMA(s9, f9y, c9*f9z));
-		const double f8y = RNEA_FMA(2.4798, t107, RNEA_FMA(f9z, -s9, c9*f9y));
-		const double f7y = RNEA_FMA(3.248, a7y, f8y);
-		const double t149 = RNEA_FMA(c10, n10z, t124*n10x);
-		const double t150 = RNEA_FMA(n10z, -t124, c10*n10x);
-		const double n9z_2 = n9z + RNEA_FMA(2.0682310711021444e-13, t150, -t149);
-		const double n9x_2 = n9x - RNEA_FMA(2.0682310711021444e-13, t149, t150);
+		const double t118 = dw10z + t117;
+		const double t123 = RNEA_FMA(-7.622464160000197e-06, t116, RNEA_FMA(-1.8684800018583648e-09, t112,
+			RNEA_FMA(8.98528572e-06, dw10z, 0.0004870151814*t117)));
+		const double f10y = RNEA_FMA(-9.342400000000242e-05, t112, 1.1677999999980678e-05*t118);
+		const double t120 = RNEA_FMA(1.8684800018583648e-09, t118, -RNEA_FMA(9.528080199984234e-07, t115,
+			0.00047802989568*t109));
+		const double f10z = RNEA_FMA(9.342400000000242e-05, t111 + t114, 1.1677999999980678e-05*t115);
+		const double n10z = RNEA_FMA(1.1677999999980678e-05, a9y, RNEA_FMA(9.528080199984234e-07, t114 - t111,
+			t123));
+		const double n10x = RNEA_FMA(9.342400000000242e-05, a9y, RNEA_FMA(-7.622464160000197e-06, t111 - t110,
+			t120));
+		const double t119 = RNEA_FMA(9.342400000000242e-05, t116, 1.1677999999980678e-05*(t110 + t111));
+		const double f9z = RNEA_FMA(t108, f10z, c10*t119) - t103;
+		const double f9x_2 = f9x + RNEA_FMA(t119, -t108, c10*f10z);
+		const double f8x_2 = f8x + f9x_2;
+		const double n9z_2 = n9z - RNEA_FMA(n10z, -t108, c10*n10x);
+		const double n9x_2 = n9x + RNEA_FMA(c10, n10z, t108*n10x);
 		tau[8*stride] = n9x_2;
-		const double n8x_2 = n8x + n9x_2;
-		const double n8z_2 = n8z + RNEA_FMA(s9, n9y_2, c9*n9z_2);
-		const double n8y_2 = n8y + RNEA_FMA(n9z_2, -s9, c9*n9y_2);
+		const double n8z_2 = n8z + RNEA_FMA(0.29955, f9x_2, RNEA_FMA(s9, n9y_2, c9*n9z_2));
+		const double n8y_2 = n8y + RNEA_FMA(-s9, n9z_2, c9*n9y_2);
 		tau[7*stride] = -n8y_2;
-
-		/* ---- back from link 8 "l_ufarm" to link 7 (bpass): torque of "l_arm_uwy" ---- */
-		const double t151 = RNEA_FMA(c8, f8z, t85*f8x);
-		const double t152 = RNEA_FMA(-t85, f8z, c8*f8x);
-		const double t153 = RNEA_FMA(c8, n8z_2, t85*n8x_2);
-		const double t154 = RNEA_FMA(-t85, n8z_2, c8*n8x_2);
-		const double t155 = RNEA_FMA(2.0682310711021444e-13, t151, t152);
-		const double t156 = RNEA_FMA(2.0682310711021444e-13, t152, -t151);
-		const double n7x = RNEA_FMA(0.00265, dw7x, RNEA_FMA(-0.29955, t156, 0.00921*f8y)
-			- RNEA_FMA(2.0682310711021444e-13, t153, t154));
-		const double n7z_2 = n7z + RNEA_FMA(-0.29955, t155, RNEA_FMA(2.0682310711021444e-13, t154, -t153));
-		const double f7z = RNEA_FMA(3.248, a7z, t156);
-		tau[6*stride] = -n7x;
-		const double n7y_2 = n7y + RNEA_FMA(0.00921, t155, n8y_2);
-		const double f7x = RNEA_FMA(3.248, a7x, -t155);
-		const double n6z_2 = n6z + RNEA_FMA(0.119, f7x, RNEA_FMA(-t78, n7y_2, c7*n7z_2));
-		across[52*step] = n6z_2;
-		const double n6y = RNEA_FMA(0.00358, dw6y, RNEA_FMA(0.0092, f7x, RNEA_FMA(c7, n7y_2, t78*n7z_2)));
-		across[53*step] = n6y;
+		const double f9y_2 = f9y + f10y;
+		const double f8y_2 = f8y + RNEA_FMA(-s9, f9z, c9*f9y_2);
+		const double t124 = RNEA_FMA(s9, f9y_2, c9*f9z);
+		const double n8x_2 = n8x + RNEA_FMA(-0.29955, t124, n9x_2);
+		const double f8z_2 = f8z + t124;
+		const double f7z = RNEA_FMA(3.248, a7z, -RNEA_FMA(sa8, f8z_2, ca8*f8x_2));
+		const double t125 = RNEA_FMA(-sa8, f8x_2, ca8*f8z_2);
+		const double n7y_2 = n7y + RNEA_FMA(-0.00921, t125, n8y_2);
+		const double f7x = RNEA_FMA(3.248, a7x, t125);
 		const double f6x_2 = f6x + f7x;
-		across[54*step] = f6x_2;
+		const double n7z_2 = n7z - RNEA_FMA(sa8, n8z_2, ca8*n8x_2);
+		const double n7x = RNEA_FMA(0.00265, dw7x, RNEA_FMA(0.00921, f8y_2, RNEA_FMA(-sa8, n8x_2, ca8*n8z_2)));
+		const double f7y = RNEA_FMA(3.248, a7y, f8y_2);
+		tau[6*stride] = -n7x;
+		const double n6z_2 = n6z + RNEA_FMA(0.306, f7x, RNEA_FMA(-t65, n7y_2, c7*n7z_2));
+		const double n6y = RNEA_FMA(0.00358, dw6y, RNEA_FMA(0.0092, f7x, RNEA_FMA(c7, n7y_2, t65*n7z_2)));
 		tau[5*stride] = -n6y;
 
 		/* ---- back from link 7 "l_larm" to link 6 (bpass): torque of "l_arm_elx" ---- */
-		const double t157 = RNEA_FMA(c7, f7y, t78*f7z);
-		const double t158 = RNEA_FMA(-t78, f7y, c7*f7z);
-		across[55*step] = t158;
-		const double n6x_2 = n6x + (n7x - RNEA_FMA(0.119, t158, 0.0092*t157));
-		across[56*step] = n6x_2;
-		const double f6y_2 = f6y + t157;
-		across[57*step] = f6y_2;
+		/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
+		const double t126 = RNEA_FMA(c7, f7y, t65*f7z);
+		const double t127 = RNEA_FMA(-t65, f7y, c7*f7z);
+		const double n6x_2 = n6x + (n7x - RNEA_FMA(0.306, t127, 0.0092*t126));
+		const double f6y_2 = f6y + t126;
+		across[52*step] = f6y_2;
+		const double n5x = RNEA_FMA(0.00319, dw5x, RNEA_FMA(0.016, f6y_2, RNEA_FMA(-t56, n6z_2, c6*n6x_2)));
+		across[53*step] = n5x;
+		const double n5z = RNEA_FMA(-0.00319, w5y*w5x, RNEA_FMA(c6, n6z_2, t56*n6x_2));
+		tau[4*stride] = -n5x;
+		const double f6z_2 = f6z + t127;
+
+		/* ---- back from link 6 "l_uarm" to link 5 (bpass): torque of "l_arm_ely" ---- */
+		const double f5z = RNEA_FMA(c6, f6z_2, t56*f6x_2);
+		across[54*step] = f5z;
+		const double f5x = RNEA_FMA(-t56, f6z_2, c6*f6x_2);
+		across[55*step] = f5x;
+		const double t55 = across[48*step];
+		const double n5y = RNEA_FMA(0.00319, t55, RNEA_FMA(-0.016, f5x, n6y));
+		const double n4z = across[37*step];
+		const double t52 = across[38*step];
+		const double c5 = across[39*step];
+		const double n4z_2 = n4z + RNEA_FMA(0.11, f5x, RNEA_FMA(-t52, n5y, c5*n5z));
+		across[56*step] = n4z_2;
+		const double t130 = RNEA_FMA(0.23260000000000003, f5x, RNEA_FMA(c5, n5y, t52*n5z));
+		across[57*step] = t130;
 	}
 	return all_small;
 }
@@ -667,162 +645,120 @@ static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *
 		const double *const qdd = first_qdd + l;
 		double *const tau = first_tau + l;
 		double *const across = first_across + l;
-		const double a5y = across[40*step];
-		const double f6y_2 = across[57*step];
-		const double f5y = RNEA_FMA(3.899, a5y, f6y_2);
-		const double f6z = across[51*step];
-		const double t158 = across[55*step];
-		const double f6z_2 = f6z + t158;
-
-		/* ---- back from link 6 "l_uarm" to link 5 (bpass): torque of "l_arm_ely" ---- */
-		const double c6 = across[46*step];
-		const double t69 = across[45*step];
-		const double f6x_2 = across[54*step];
-		const double t159 = RNEA_FMA(c6, f6z_2, t69*f6x_2);
-		const double t160 = RNEA_FMA(-t69, f6z_2, c6*f6x_2);
-		const double n5z = across[44*step];
-		const double n6z_2 = across[52*step];
-		const double n6x_2 = across[56*step];
-		const double n5z_2 = n5z + RNEA_FMA(0.187, t160, RNEA_FMA(c6, n6z_2, t69*n6x_2));
-		const double t161 = RNEA_FMA(-t69, n6z_2, c6*n6x_2);
-		const double dw5x = across[37*step];
-		const double n5x = RNEA_FMA(0.00319, dw5x, t161 + RNEA_FMA(-0.187, t159, 0.016*f6y_2));
-		const double a5z = across[41*step];
-		const double f5z = RNEA_FMA(3.899, a5z, t159);
-		tau[4*stride] = -n5x;
-		const double n5y = across[42*step];
-		const double n6y = across[53*step];
-		const double n5y_2 = n5y + RNEA_FMA(-0.016, t160, n6y);
-		const double a5x = across[32*step];
-		const double f5x = RNEA_FMA(3.899, a5x, t160);
-		const double n4z = across[30*step];
-		const double t62 = across[34*step];
-		const double c5 = across[35*step];
-		const double n4z_2 = n4z + RNEA_FMA(0.11, f5x, RNEA_FMA(-t62, n5y_2, c5*n5z_2));
-		const double n4y = across[31*step];
-		const double n4y_2 = n4y + RNEA_FMA(-0.245, f5x, RNEA_FMA(c5, n5y_2, t62*n5z_2));
-		const double f4x = across[33*step];
-		const double f4x_2 = f4x + f5x;
+		const double t51 = across[36*step];
+		const double f5x = across[55*step];
+		const double f4x = RNEA_FMA(-0.42889, t51, f5x);
+		const double t130 = across[57*step];
+		const double t46 = across[33*step];
+		const double n4y = t130 - RNEA_FMA(0.10375981400000002, t51, 0.01366*t46);
+		const double n4z_2 = across[56*step];
 		tau[3*stride] = n4z_2;
 
 		/* ---- back from link 5 "l_scap" to link 4 (bpass): torque of "l_arm_shx" ---- */
-		const double t162 = RNEA_FMA(c5, f5y, t62*f5z);
-		const double t163 = RNEA_FMA(-t62, f5y, c5*f5z);
-		const double n4x = across[27*step];
-		const double n4x_2 = n4x + (n5x + RNEA_FMA(-0.11, t163, 0.245*t162));
-		const double f4y = across[29*step];
-		const double f4y_2 = f4y + t162;
-		const double f4z = across[28*step];
-		const double f4z_2 = f4z + t163;
-		const double f3z = across[18*step];
-		const double f3z_2 = f3z + f4z_2;
-
-		/* ---- back from link 4 "l_clav" to link 3 (bpass): torque of "l_arm_shz" ---- */
-		const double s4 = across[19*step];
-		const double c4 = across[20*step];
-		const double t164 = RNEA_FMA(f4y_2, -s4, c4*f4x_2);
-		const double t165 = RNEA_FMA(s4, f4x_2, c4*f4y_2);
-		const double t166 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
-		const double t167 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
-		const double t168 = RNEA_FMA(2.0682310711021444e-13, t165, -t164);
-		const double t169 = RNEA_FMA(2.0682310711021444e-13, t164, t165);
-		const double n3z = across[14*step];
-		const double n3z_2 = n3z + (n4z_2 - RNEA_FMA(0.1406, t169, 0.2256*t168));
-		const double f3y = across[17*step];
-		const double f3y_2 = f3y - t169;
-		const double t170 = RNEA_FMA(2.0682310711021444e-13, t167, -t166) + RNEA_FMA(0.2256, f4z_2,
-			0.4776*t169);
-		const double n3y = across[13*step];
-		const double n3y_2 = n3y + (RNEA_FMA(-0.1406, f4z_2, 0.4776*t168) - RNEA_FMA(2.0682310711021444e-13,
-			t166,
-			t167));
-		const double f3x = across[16*step];
-		const double f3x_2 = f3x + t168;
-		const double n3x = across[15*step];
-		const double n3x_2 = n3x + t170;
+		const double c5 = across[39*step];
+		const double f6y_2 = across[52*step];
+		const double t52 = across[38*step];
+		const double f5z = across[54*step];
+		const double t128 = RNEA_FMA(c5, f6y_2, t52*f5z);
+		const double t129 = RNEA_FMA(-t52, f6y_2, c5*f5z);
+		const double n4x = across[35*step];
+		const double n5x = across[53*step];
+		const double n4x_2 = n4x + (n5x - RNEA_FMA(0.11, t129, 0.23260000000000003*t128));
+		const double t48 = across[34*step];
+		const double f4y = RNEA_FMA(0.42889, t48, t128);
+		const double f3y = across[23*step];
+		const double t36 = across[27*step];
+		const double ca4 = across[28*step];
+		const double f3y_2 = f3y + RNEA_FMA(-t36, f4x, ca4*f4y);
+		const double t131 = RNEA_FMA(ca4, f4x, t36*f4y);
+		const double n3z = across[21*step];
+		const double n3z_2 = n3z + RNEA_FMA(-0.2256, t131, n4z_2);
+		const double f3x = across[25*step];
+		const double f3x_2 = f3x + t131;
+		const double t45 = across[32*step];
+		const double f4z = RNEA_FMA(-0.42889, t45, t129);
+		const double n3x = across[24*step];
+		const double n3x_2 = n3x + RNEA_FMA(0.2256, f4z, RNEA_FMA(ca4, n4x_2, t36*n4y));
+		const double n3y = across[20*step];
+		const double n3y_2 = n3y + RNEA_FMA(-t36, n4x_2, ca4*n4y);
+		const double f3z = across[26*step];
+		const double f3z_2 = f3z + f4z;
 
 		/* ---- out to link 11 "head" (fpass) ---- */
 		const double q11 = q[10*stride];
 		double s11, c11;
 		all_small &= rneagen_sincos_known(q11, known, sines + 18, &s11, &c11);
-		const double dw3y = across[11*step];
+		const double sa11 = RNEA_FMA(-0.8960348338827716, c11, 0.44398375698743076*s11);
+		const double ca11 = RNEA_FMA(0.44398375698743076, c11, 0.8960348338827716*s11);
+		const double a3x = across[5*step];
+		const double t20 = across[15*step];
+		const double t21 = across[16*step];
+		const double t28 = across[18*step];
+		const double t132 = ca11*(a3x + RNEA_FMA(-0.11399999999999999, t20 + t21, 0.6215*t28));
+		const double a3z = across[14*step];
+		const double t30 = across[19*step];
+		const double t27 = across[17*step];
+		const double a11x = RNEA_FMA(a3z + RNEA_FMA(-0.6215, t30, 0.11399999999999999*t27), -sa11, t132);
+		const double dw3y = across[12*step];
 		const double qdd11 = qdd[10*stride];
 		const double dw11y = dw3y + qdd11;
-		const double w3z = across[10*step];
-		const double w3x = across[7*step];
-		const double w11z = RNEA_FMA(w3z, c11, w3x*s11);
-		const double w11x = RNEA_FMA(s11, -w3z, w3x*c11);
-		const double w3y = across[9*step];
+		const double w3z = across[11*step];
+		const double w3x = across[8*step];
+		const double w11z = RNEA_FMA(w3z, ca11, w3x*sa11);
+		const double w11x = RNEA_FMA(sa11, -w3z, w3x*ca11);
+		const double w3y = across[10*step];
 		const double qd11 = qd[10*stride];
 		const double w11y = w3y + qd11;
-		const double dw3z = across[12*step];
-		const double dw3x = across[8*step];
-		const double dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(s11, -dw3z, dw3x*c11));
-		const double dw11z = RNEA_FMA(qd11, w11x, RNEA_FMA(dw3z, c11, dw3x*s11));
-		const double t172 = across[23*step];
-		const double t171 = across[21*step];
-		const double a11z = RNEA_FMA(c11, t172, s11*t171);
-		const double a11x = RNEA_FMA(t172, -s11, c11*t171);
-		const double t173 = w11z*w11y;
-		const double t174 = w11z*w11z;
-		const double t178 = w11z*w11x;
-		const double t175 = w11y*w11y;
-		const double t182 = w11x*w11y;
-		const double t179 = w11x*w11x;
-		const double t176 = t173 - dw11x;
-		const double t177 = dw11x + t173;
-		const double t180 = t178 - dw11y;
-		const double t181 = dw11y + t178;
-		const double t183 = t182 - dw11z;
-		const double t187 = RNEA_FMA(2.8062844640453003e-06, t177, RNEA_FMA(3.9827336694684e-06, t183,
-			RNEA_FMA(-0.005634444453194253, t178, 0.0205378789418435*dw11y)));
-		const double f11x = RNEA_FMA(2.087564, a11x, RNEA_FMA(0.054420420656, t181, RNEA_FMA(7.09504993e-05,
-			t183,
-			0.109829676908*(t174 + t175))));
-		const double t188 = RNEA_FMA(-3.9827336694684e-06, t181, RNEA_FMA(-0.0024130603412908323, t176,
-			RNEA_FMA(0.019152684977701343, dw11z, 0.007019638417336408*t182)));
-		const double t184 = dw11z + t182;
-		const double t186 = RNEA_FMA(0.0024130603412908323, t184, RNEA_FMA(-2.8062844640453003e-06, t180,
-			RNEA_FMA(-0.0013851939641421555, t173, 0.013518240524507091*dw11x)));
-		const double f11z = RNEA_FMA(2.087564, a11z, RNEA_FMA(-0.054420420656, t175 + t179,
-			RNEA_FMA(-0.109829676908,
-			t180, 7.09504993e-05*t177)));
-		const double t185 = RNEA_FMA(0.054420420656, t176, -RNEA_FMA(7.09504993e-05, t174 + t179,
-			0.109829676908*t184));
+		const double dw3z = across[13*step];
+		const double dw3x = across[9*step];
+		const double dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(sa11, -dw3z, dw3x*ca11));
+		const double dw11z = RNEA_FMA(qd11, w11x, RNEA_FMA(dw3z, ca11, dw3x*sa11));
+		const double t133 = w11z*w11y;
+		const double t134 = w11z*w11z;
+		const double t137 = w11z*w11x;
+		const double t135 = w11y*w11y;
+		const double t140 = w11x*w11y;
+		const double t138 = w11x*w11x;
+		const double t136 = t133 - dw11x;
+		const double f3y_3 = RNEA_FMA(0.12257299912334552, t136, f3y_2);
+		across[37*step] = f3y_3;
+		const double t139 = dw11y + t137;
+		const double f11x = 0.12257299912334552*t139;
+		const double t144 = RNEA_FMA(-4.282797691219549e-06, t139, RNEA_FMA(-0.0007797945443042606, t136,
+			RNEA_FMA(-0.007253005378025528, dw11z, 0.0205378789418435*t140)));
+		const double n11z = RNEA_FMA(-2.322723382399148e-06, t138 - t135, t144);
+		const double t141 = 0.12257299912334552*(t135 + t138);
+		const double t142 = RNEA_FMA(0.0007797945443042606, dw11z + t140, RNEA_FMA(-0.02779088431986903, t133,
+			2.322723382399148e-06*(t137 - dw11y)));
+		const double t143 = RNEA_FMA(4.282797691219549e-06, t140 - dw11z, RNEA_FMA(0.0205378789418435, dw11y,
+			0.007253005378025528*t137));
+		const double n11y = RNEA_FMA(0.12257299912334552, a11x, RNEA_FMA(0.0007797945443042606, t134 - t138,
+			RNEA_FMA(-2.322723382399148e-06, dw11x + t133, t143)));
 		const double a11y = across[22*step];
-		const double f11y = RNEA_FMA(2.087564, a11y, t185);
-		const double f3y_3 = f3y_2 + f11y;
-		across[36*step] = f3y_3;
-		const double n11x = RNEA_FMA(-0.054420420656, a11y, 7.09504993e-05*a11z)
-			+ RNEA_FMA(-3.9827336694684e-06, t175
-			- t174, t186);
-		const double n11y = RNEA_FMA(0.054420420656, a11x, 0.109829676908*a11z)
-			+ RNEA_FMA(0.0024130603412908323, t174
-			- t179, t187);
-		const double n11z = RNEA_FMA(2.8062844640453003e-06, t179 - t175, t188) - RNEA_FMA(0.109829676908, a11y,
-			7.09504993e-05*a11x);
-		const double n3z_3 = n3z_2 + RNEA_FMA(0.2546, f11y, RNEA_FMA(-s11, n11x, c11*n11z));
-		across[38*step] = n3z_3;
-		const double n3x_3 = n3x_2 + RNEA_FMA(-0.6215, f11y, RNEA_FMA(s11, n11z, c11*n11x));
-		across[39*step] = n3x_3;
+		const double n11x = RNEA_FMA(-0.12257299912334552, a11y, RNEA_FMA(-4.282797691219549e-06, t135 - t134,
+			t142));
+		const double n3z_3 = n3z_2 + RNEA_FMA(0.013973321900061387, t136, RNEA_FMA(-sa11, n11x, ca11*n11z));
+		across[40*step] = n3z_3;
+		const double n3x_3 = n3x_2 + RNEA_FMA(-0.07617911895515925, t136, RNEA_FMA(sa11, n11z, ca11*n11x));
+		across[41*step] = n3x_3;
 		tau[10*stride] = n11y;
 
 		/* ---- back from link 11 "head" to link 3 (bpass): torque of "neck_ay" ---- */
-		const double t189 = RNEA_FMA(-s11, f11x, c11*f11z);
-		const double t190 = RNEA_FMA(s11, f11z, c11*f11x);
-		const double n3y_3 = n3y_2 + (n11y + RNEA_FMA(-0.2546, t189, 0.6215*t190));
-		across[43*step] = n3y_3;
-		const double f3x_3 = f3x_2 + t190;
-		across[47*step] = f3x_3;
-		const double f3z_3 = f3z_2 + t189;
-		across[48*step] = f3z_3;
+		const double t145 = RNEA_FMA(ca11, t141, sa11*f11x);
+		const double t146 = RNEA_FMA(-sa11, t141, ca11*f11x);
+		const double n3y_3 = n3y_2 + (n11y + RNEA_FMA(0.6215, t146, 0.11399999999999999*t145));
+		across[42*step] = n3y_3;
+		const double f3z_3 = f3z_2 - t145;
+		across[43*step] = f3z_3;
+		const double f3x_3 = f3x_2 + t146;
+		across[44*step] = f3x_3;
 
 		/* ---- out to link 12 "r_clav" (fpass) ---- */
 		const double q12 = q[11*stride];
 		double s12, c12;
 		all_small &= rneagen_sincos_known(q12, known, sines + 20, &s12, &c12);
-		across[49*step] = s12;
-		across[50*step] = c12;
+		across[45*step] = s12;
+		across[46*step] = c12;
 		const double qd12 = qd[11*stride];
 		const double w12z = w3z + qd12;
 		const double qdd12 = qdd[11*stride];
@@ -831,123 +767,99 @@ static RNEA_INLINE int atlas_rnea_segment2(const double *first_q, const double *
 		const double w12y = RNEA_FMA(s12, -w3x, w3y*c12);
 		const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw3x, c12, dw3y*s12));
 		const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw3x, dw3y*c12));
-		const double t191 = across[24*step];
-		const double t192 = across[25*step];
-		const double a12x = RNEA_FMA(c12, t191, s12*t192);
-		const double a12y = RNEA_FMA(t191, -s12, c12*t192);
-		const double t193 = w12y*w12z;
-		const double t194 = w12z*w12z;
-		const double t195 = w12y*w12y;
-		const double t196 = t193 - dw12x;
-		const double t197 = w12x*w12z;
-		const double t198 = w12x*w12x;
-		const double t199 = dw12y + t197;
-		const double t200 = w12x*w12y;
-		const double t201 = t195 + t198;
-		const double t203 = a12y + RNEA_FMA(-0.245, t196, 0.11*(t194 + t198));
-		const double n12x = RNEA_FMA(0.37514400000000003, a12y, RNEA_FMA(0.004, t195 - t194,
-			RNEA_FMA(-0.03651209600000001, t193, 0.042512096000000006*dw12x)));
-		across[58*step] = n12x;
-		const double a12z = across[26*step];
-		const double t204 = a12z + RNEA_FMA(-0.11, dw12x + t193, 0.245*t201);
-		const double f12z = RNEA_FMA(4.466, a12z, 0.37514400000000003*t201);
-		across[59*step] = f12z;
-		const double f12y = RNEA_FMA(-0.37514400000000003, t196, 4.466*a12y);
-		across[60*step] = f12y;
-		const double t202 = t200 - dw12z;
-		const double n12z = RNEA_FMA(0.004, t199, RNEA_FMA(-0.002, t200, 0.004*dw12z));
-		across[61*step] = n12z;
-		const double n12y = RNEA_FMA(-0.37514400000000003, a12x, RNEA_FMA(-0.004, t202,
-			RNEA_FMA(0.040512096000000004,
-			dw12y, 0.038512096*t197)));
-		across[62*step] = n12y;
-		const double a13x = a12x - RNEA_FMA(0.245, t199, 0.11*t202);
-		across[63*step] = a13x;
-		const double f12x = RNEA_FMA(-0.37514400000000003, t199, 4.466*a12x);
-		across[64*step] = f12x;
+		const double t147 = across[29*step];
+		const double t148 = across[30*step];
+		const double a12x = RNEA_FMA(c12, t147, s12*t148);
+		const double a12y = RNEA_FMA(t147, -s12, c12*t148);
+		const double t149 = w12y*w12z;
+		const double t150 = w12z*w12z;
+		const double t151 = w12y*w12y;
+		const double t152 = dw12x + t149;
+		across[47*step] = t152;
+		const double t153 = w12x*w12z;
+		across[48*step] = t153;
+		const double t154 = w12x*w12x;
+		const double t155 = t150 + t154;
+		across[49*step] = t155;
+		const double a12z = across[31*step];
+		const double t160 = a12z - RNEA_FMA(0.23260000000000003, t151 + t154, 0.11*t152);
+		const double n12x = RNEA_FMA(-0.42889, a12z, RNEA_FMA(0.10375981400000002, t151 - t150,
+			RNEA_FMA(0.0433479,
+			dw12x, 0.0570079*t149)));
+		across[50*step] = n12x;
+		const double t159 = a12y + RNEA_FMA(0.23260000000000003, t149 - dw12x, 0.11*t155);
+		const double t156 = dw12y + t153;
+		const double t157 = w12x*w12y;
+		const double t158 = t157 - dw12z;
+		across[51*step] = t158;
+		const double n12z = RNEA_FMA(0.42889, a12x, RNEA_FMA(0.10375981400000002, t156, RNEA_FMA(-0.0433479,
+			t157,
+			0.0570079*dw12z)));
+		across[58*step] = n12z;
+		const double a13x = a12x + RNEA_FMA(-0.11, t158, 0.23260000000000003*t156);
 
 		/* ---- out to link 13 "r_scap" (fpass) ---- */
 		const double q13 = q[12*stride];
 		double s13, c13;
 		all_small &= rneagen_sincos_known(q13, known, sines + 22, &s13, &c13);
-		across[65*step] = s13;
-		across[66*step] = c13;
+		across[59*step] = s13;
+		across[60*step] = c13;
 		const double qd13 = qd[12*stride];
 		const double w13x = w12x + qd13;
+		across[61*step] = w13x;
 		const double qdd13 = qdd[12*stride];
 		const double dw13x = dw12x + qdd13;
-		across[67*step] = dw13x;
+		across[62*step] = dw13x;
 		const double w13y = RNEA_FMA(w12y, c13, w12z*s13);
+		across[63*step] = w13y;
 		const double w13z = RNEA_FMA(s13, -w12y, w12z*c13);
 		const double dw13y = RNEA_FMA(qd13, w13z, RNEA_FMA(dw12y, c13, dw12z*s13));
 		const double dw13z = RNEA_FMA(w13y, -qd13, RNEA_FMA(s13, -dw12y, dw12z*c13));
-		const double a13y = RNEA_FMA(c13, t203, s13*t204);
-		across[68*step] = a13y;
-		const double a13z = RNEA_FMA(t203, -s13, c13*t204);
-		across[69*step] = a13z;
-		const double t205 = w13y*w13z;
-		const double t206 = w13z*w13x;
-		const double t207 = w13x*w13x;
-		const double t208 = w13y*w13x;
-		const double n13y = RNEA_FMA(-0.00264, t206, 0.00583*dw13y);
-		across[70*step] = n13y;
-		const double t209 = a13x - RNEA_FMA(0.016, dw13y + t206, 0.187*(t208 - dw13z));
-		const double n13z = RNEA_FMA(0.00583, dw13z, 0.00264*t208);
-		across[71*step] = n13z;
+		const double a13y = RNEA_FMA(c13, t159, s13*t160);
+		const double a13z = RNEA_FMA(t159, -s13, c13*t160);
+		const double t163 = RNEA_FMA(0.016, RNEA_FMA(w13x, w13x, w13y*w13y), a13z);
+		const double a14y = RNEA_FMA(-0.016, RNEA_FMA(w13y, w13z, -dw13x), a13y);
+		const double t161 = w13z*w13x;
+		across[64*step] = t161;
+		const double t162 = RNEA_FMA(-0.016, dw13y + t161, a13x);
 
 		/* ---- out to link 14 "r_uarm" (fpass) ---- */
 		const double q14 = q[13*stride];
 		double s14, c14;
 		all_small &= rneagen_sincos_known(q14, known, sines + 24, &s14, &c14);
-		across[72*step] = s14;
-		across[73*step] = c14;
+		across[65*step] = s14;
+		across[66*step] = c14;
 		const double qdd14 = qdd[13*stride];
 		const double dw14y = dw13y + qdd14;
-		across[74*step] = dw14y;
-		const double a14y = a13y + RNEA_FMA(-0.016, t205 - dw13x, 0.187*RNEA_FMA(w13z, w13z, t207));
-		const double t210 = a13z + RNEA_FMA(-0.187, dw13x + t205, 0.016*RNEA_FMA(w13y, w13y, t207));
+		across[67*step] = dw14y;
+		const double w14z = RNEA_FMA(w13z, c14, w13x*s14);
+		across[68*step] = w14z;
+		const double w14x = RNEA_FMA(s14, -w13z, w13x*c14);
+		across[69*step] = w14x;
 		const double qd14 = qd[13*stride];
 		const double w14y = w13y + qd14;
-		across[75*step] = w14y;
-		const double w14z = RNEA_FMA(w13z, c14, w13x*s14);
-		across[76*step] = w14z;
-		const double w14x = RNEA_FMA(s14, -w13z, w13x*c14);
-		across[77*step] = w14x;
+		across[70*step] = w14y;
 		const double dw14x = RNEA_FMA(w14z, -qd14, RNEA_FMA(s14, -dw13z, dw13x*c14));
-		across[78*step] = dw14x;
+		across[71*step] = dw14x;
 		const double dw14z = RNEA_FMA(qd14, w14x, RNEA_FMA(dw13z, c14, dw13x*s14));
-		across[79*step] = dw14z;
-		const double a14z = RNEA_FMA(c14, t210, s14*t209);
-		const double a14x = RNEA_FMA(t210, -s14, c14*t209);
-		const double t211 = w14z*w14y;
-		const double t212 = dw14x + t211;
-		const double t213 = w14x*w14x;
-		const double t214 = RNEA_FMA(w14z, w14z, t213);
-		const double t218 = a14z - RNEA_FMA(0.0092, RNEA_FMA(w14y, w14y, t213), 0.119*t212);
-		across[80*step] = t218;
-		const double f14z = RNEA_FMA(4.386, a14z, 0.28509*t212);
-		across[81*step] = f14z;
-		const double n14x = RNEA_FMA(0.28509, a14z, RNEA_FMA(0.02509085, dw14x, 0.02151085*t211));
-		across[82*step] = n14x;
-		const double t217 = a14y + RNEA_FMA(0.0092, t211 - dw14x, 0.119*t214);
-		across[83*step] = t217;
-		const double f14y = RNEA_FMA(-0.28509, t214, 4.386*a14y);
-		across[84*step] = f14y;
-		const double t215 = w14x*w14y;
-		const double t216 = t215 - dw14z;
-		const double n14z = RNEA_FMA(-0.28509, a14x, RNEA_FMA(-0.02151085, t215, 0.02509085*dw14z));
-		across[85*step] = n14z;
-		const double f14x = RNEA_FMA(4.386, a14x, 0.28509*t216);
-		across[86*step] = f14x;
-		const double a15x = a14x + RNEA_FMA(-0.119, t216, 0.0092*RNEA_FMA(w14z, w14x, dw14y));
-		across[87*step] = a15x;
-
-		/* ---- out to link 15 "r_larm" (fpass) ---- */
-		const double q15 = q[14*stride];
-		double s15, c15;
-		all_small &= rneagen_sincos_known(q15, known, sines + 26, &s15, &c15);
-		across[88*step] = s15;
-		across[89*step] = c15;
+		across[72*step] = dw14z;
+		const double a14z = RNEA_FMA(c14, t163, s14*t162);
+		const double a14x = RNEA_FMA(t163, -s14, c14*t162);
+		across[73*step] = a14x;
+		const double t164 = w14z*w14y;
+		const double t165 = dw14x + t164;
+		const double t166 = w14x*w14x;
+		const double t167 = RNEA_FMA(w14z, w14z, t166);
+		const double t171 = a14z - RNEA_FMA(0.0092, RNEA_FMA(w14y, w14y, t166), 0.306*t165);
+		across[74*step] = t171;
+		const double f14z = RNEA_FMA(-0.535092, t165, 4.386*a14z);
+		across[75*step] = f14z;
+		const double n14x = RNEA_FMA(-0.535092, a14z, RNEA_FMA(0.071841224, dw14x, 0.068261224*t164));
+		across[76*step] = n14x;
+		const double t170 = a14y + RNEA_FMA(0.0092, t164 - dw14x, 0.306*t167);
+		across[77*step] = t170;
+		const double f14y = RNEA_FMA(4.386, a14y, 0.535092*t167);
+		across[78*step] = f14y;
 	}
 	return all_small;
 }
@@ -966,34 +878,39 @@ static RNEA_INLINE int atlas_rnea_segment3(const double *first_q, const double *
 		const double *const qdd = first_qdd + l;
 		double *const tau = first_tau + l;
 		double *const across = first_across + l;
-		const double w14x = across[77*step];
+		const double w14x = across[69*step];
+		const double w14y = across[70*step];
+		const double t168 = w14x*w14y;
+		const double dw14z = across[72*step];
+		const double t169 = t168 - dw14z;
+		const double a14x = across[73*step];
+		const double n14z = RNEA_FMA(0.535092, a14x, RNEA_FMA(-0.068261224, t168, 0.071841224*dw14z));
+		const double f14x = RNEA_FMA(-0.535092, t169, 4.386*a14x);
+		const double w14z = across[68*step];
+		const double dw14y = across[67*step];
+		const double a15x = a14x + RNEA_FMA(-0.306, t169, 0.0092*RNEA_FMA(w14z, w14x, dw14y));
+
+		/* ---- out to link 15 "r_larm" (fpass) ---- */
+		const double q15 = q[14*stride];
+		double s15, c15;
+		all_small &= rneagen_sincos_known(q15, known, sines + 26, &s15, &c15);
 		const double qd15 = qd[14*stride];
 		const double w15x = w14x + qd15;
-		const double dw14x = across[78*step];
+		const double dw14x = across[71*step];
 		const double qdd15 = qdd[14*stride];
 		const double dw15x = dw14x + qdd15;
-		const double w14y = across[75*step];
-		const double c15 = across[89*step];
-		const double w14z = across[76*step];
-		const double s15 = across[88*step];
 		const double w15y = RNEA_FMA(w14y, c15, w14z*s15);
 		const double w15z = RNEA_FMA(s15, -w14y, w14z*c15);
-		const double dw14y = across[74*step];
-		const double dw14z = across[79*step];
 		const double dw15y = RNEA_FMA(qd15, w15z, RNEA_FMA(dw14y, c15, dw14z*s15));
 		const double dw15z = RNEA_FMA(w15y, -qd15, RNEA_FMA(s15, -dw14y, dw14z*c15));
-		const double t217 = across[83*step];
-		const double t218 = across[80*step];
-		const double a15y = RNEA_FMA(c15, t217, s15*t218);
-		const double a15z = RNEA_FMA(t217, -s15, c15*t218);
-		const double t219 = w15y*w15z;
-		const double t220 = w15z*w15x;
-		const double t221 = w15x*w15x;
-		const double t222 = w15y*w15x;
-		const double n15y = RNEA_FMA(-0.0018100000000000004, t220, 0.00446*dw15y);
-		const double a15x = across[87*step];
-		const double t223 = a15x - RNEA_FMA(0.00921, dw15y + t220, 0.29955*(t222 - dw15z));
-		const double n15z = RNEA_FMA(0.00446, dw15z, 0.0018100000000000004*t222);
+		const double t170 = across[77*step];
+		const double t171 = across[74*step];
+		const double a15y = RNEA_FMA(c15, t170, s15*t171);
+		const double a15z = RNEA_FMA(t170, -s15, c15*t171);
+		const double t172 = w15z*w15x;
+		const double n15y = RNEA_FMA(-0.0018100000000000004, t172, 0.00446*dw15y);
+		const double t173 = RNEA_FMA(-0.00921, dw15y + t172, a15x);
+		const double n15z = RNEA_FMA(0.00446, dw15z, 0.0018100000000000004*(w15y*w15x));
 
 		/* ---- out to link 16 "r_ufarm" (fpass) ---- */
 		const double q16 = q[15*stride];
@@ -1001,35 +918,56 @@ static RNEA_INLINE int atlas_rnea_segment3(const double *first_q, const double *
 		all_small &= rneagen_sincos_known(q16, known, sines + 28, &s16, &c16);
 		const double qdd16 = qdd[15*stride];
 		const double dw16y = dw15y + qdd16;
-		const double a16y = a15y + RNEA_FMA(-0.00921, t219 - dw15x, 0.29955*RNEA_FMA(w15z, w15z, t221));
-		const double t224 = a15z + RNEA_FMA(-0.29955, dw15x + t219, 0.00921*RNEA_FMA(w15y, w15y, t221));
+		const double a16y = RNEA_FMA(-0.00921, RNEA_FMA(w15y, w15z, -dw15x), a15y);
+		const double t174 = RNEA_FMA(0.00921, RNEA_FMA(w15x, w15x, w15y*w15y), a15z);
 		const double qd16 = qd[15*stride];
 		const double w16y = w15y + qd16;
 		const double w16z = RNEA_FMA(w15z, c16, w15x*s16);
 		const double w16x = RNEA_FMA(s16, -w15z, w15x*c16);
 		const double dw16x = RNEA_FMA(w16z, -qd16, RNEA_FMA(s16, -dw15z, dw15x*c16));
 		const double dw16z = RNEA_FMA(qd16, w16x, RNEA_FMA(dw15z, c16, dw15x*s16));
-		const double a16z = RNEA_FMA(c16, t224, s16*t223);
-		const double a16x = RNEA_FMA(t224, -s16, c16*t223);
-		const double t225 = w16z*w16y;
-		const double t226 = w16z*w16z;
-		const double t227 = w16y*w16y;
-		const double t228 = w16z*w16x;
-		const double t229 = w16x*w16x;
-		const double t230 = w16x*w16y;
-		const double t231 = RNEA_FMA(-0.00015, t226 + t227, 0.08296*(t230 - dw16z));
-		const double t232 = RNEA_FMA(-0.08296, t226 + t229, 0.00015*(dw16z + t230));
-		const double t235 = a16y + RNEA_FMA(0.00037, t225 - dw16x, t232);
-		const double t234 = a16x + RNEA_FMA(0.00037, dw16y + t228, t231);
-		const double n16z = RNEA_FMA(-0.20572420800000002, t234, 0.00037196999999999995*t235)
-			+ RNEA_FMA(-0.009873999999999999, t230, 0.011948*dw16z);
-		const double t233 = RNEA_FMA(0.08296, dw16x + t225, 0.00015*(t228 - dw16y));
-		const double t236 = a16z + RNEA_FMA(-0.00037, t227 + t229, t233);
-		const double n16y = RNEA_FMA(-0.00037196999999999995, t236, 0.000917526*t234) + RNEA_FMA(0.002857,
-			dw16y,
-			0.000782999999999999*t228);
-		const double n16x = RNEA_FMA(-0.000917526, t235, 0.20572420800000002*t236) + RNEA_FMA(0.012731, dw16x,
-			0.009091*t225);
+		const double a16z = RNEA_FMA(c16, t174, s16*t173);
+		const double a16x = RNEA_FMA(t174, -s16, c16*t173);
+		const double t175 = w16z*w16y;
+		const double t176 = w16z*w16z;
+		const double t177 = w16y*w16y;
+		const double t178 = t175 - dw16x;
+		const double t179 = dw16x + t175;
+		const double t180 = w16z*w16x;
+		const double t181 = w16x*w16x;
+		const double t182 = t176 + t181;
+		const double t183 = t180 - dw16y;
+		const double t184 = dw16y + t180;
+		const double t185 = w16x*w16y;
+		const double t186 = t185 - dw16z;
+		const double t190 = RNEA_FMA(0.00011356341029999999, t179, RNEA_FMA(-0.00019872695633999998, t186,
+			RNEA_FMA(-0.006277768578608462, t180, 0.009918447547848461*dw16y)));
+		const double n16y = RNEA_FMA(-0.00048213, a16z, 0.000917526*a16x) + RNEA_FMA(-1.3762889999999998e-07,
+			t176
+			- t181, t190);
+		const double t187 = dw16z + t185;
+		const double t191 = RNEA_FMA(0.00019872695633999998, t184, RNEA_FMA(1.3762889999999998e-07, t178,
+			RNEA_FMA(-0.2386550120889015, t185, 0.25485122821535844*dw16z)));
+		const double f16y = RNEA_FMA(3.8117, a16y, RNEA_FMA(0.000917526, t178, RNEA_FMA(0.9360705269999999,
+			t182,
+			0.00048213*t187)));
+		const double t189 = RNEA_FMA(-1.3762889999999998e-07, t187, RNEA_FMA(-0.00011356341029999999, t183,
+			RNEA_FMA(0.24857345963674995, dw16x, 0.24493278066750995*t175)));
+		const double f16z = RNEA_FMA(3.8117, a16z, RNEA_FMA(-0.000917526, t177 + t181,
+			RNEA_FMA(-0.9360705269999999,
+			t179, 0.00048213*t183)));
+		const double t193 = RNEA_FMA(-0.29955, t179, a16z);
+		const double n16x = RNEA_FMA(0.00019872695633999998, t177 - t176, t189) - RNEA_FMA(0.9360705269999999,
+			a16z,
+			0.000917526*a16y);
+		const double t188 = RNEA_FMA(0.000917526, t184, -RNEA_FMA(0.9360705269999999, t186, 0.00048213*(t176
+			+ t177)));
+		const double n16z = RNEA_FMA(0.00048213, a16y, 0.9360705269999999*a16x)
+			+ RNEA_FMA(0.00011356341029999999, t181
+			- t177, t191);
+		const double t192 = RNEA_FMA(0.29955, t182, a16y);
+		const double a17x = RNEA_FMA(-0.29955, t186, a16x);
+		const double f16x = RNEA_FMA(3.8117, a16x, t188);
 
 		/* ---- out to link 17 "r_lfarm" (fpass) ---- */
 		const double q17 = q[16*stride];
@@ -1043,196 +981,176 @@ static RNEA_INLINE int atlas_rnea_segment3(const double *first_q, const double *
 		const double w17z = RNEA_FMA(s17, -w16y, w16z*c17);
 		const double dw17y = RNEA_FMA(qd17, w17z, RNEA_FMA(dw16y, c17, dw16z*s17));
 		const double dw17z = RNEA_FMA(w17y, -qd17, RNEA_FMA(s17, -dw16y, dw16z*c17));
-		const double a17y = RNEA_FMA(a16y, c17, a16z*s17);
-		const double a17z = RNEA_FMA(s17, -a16y, a16z*c17);
-		const double t237 = w17y*w17z;
-		const double t238 = w17z*w17z;
-		const double t239 = w17y*w17y;
-		const double t240 = w17z*w17x;
-		const double t241 = w17x*w17x;
-		const double t242 = w17y*w17x;
-		const double t243 = -RNEA_FMA(0.02515, t242 - dw17z, 0.00017*(t238 + t239));
-		const double t244 = RNEA_FMA(0.02515, t238 + t241, 0.00017*(dw17z + t242));
-		const double t247 = a17y + RNEA_FMA(0.00163, t237 - dw17x, t244);
-		const double t246 = a16x + RNEA_FMA(0.00163, dw17y + t240, t243);
-		const double n17z = RNEA_FMA(0.00011016000000000002, t247, 0.0162972*t246) + RNEA_FMA(-0.000335, t242,
-			0.000825*dw17z);
-		const double t245 = RNEA_FMA(-0.02515, dw17x + t237, 0.00017*(t240 - dw17y));
-		const double t248 = a17z + RNEA_FMA(-0.00163, t239 + t241, t245);
-		const double n17y = RNEA_FMA(-0.00011016000000000002, t248, 0.00105624*t246)
-			+ RNEA_FMA(-6.0999999999999965e-05,
-			t240, 0.000429*dw17y);
-		const double n17x = RNEA_FMA(0.000764, dw17x, 0.000396*t237) - RNEA_FMA(0.0162972, t248,
-			0.00105624*t247);
+		const double a17y = RNEA_FMA(c17, t192, s17*t193);
+		const double a17z = RNEA_FMA(t192, -s17, c17*t193);
+		const double t194 = w17y*w17z;
+		const double t195 = w17z*w17z;
+		const double t196 = w17y*w17y;
+		const double t197 = t194 - dw17x;
+		const double t198 = dw17x + t194;
+		const double t199 = w17z*w17x;
+		const double t205 = RNEA_FMA(-2.7705240000000002e-06, t199 - dw17y, RNEA_FMA(0.007001755211728461,
+			dw17x,
+			0.006630311869328461*t194));
+		const double t200 = w17x*w17x;
+		const double t201 = dw17y + t199;
+		const double t202 = w17y*w17x;
+		const double t206 = RNEA_FMA(2.6564435999999998e-05, t196 - t195, RNEA_FMA(-1.7956080000000002e-07,
+			dw17z
+			+ t202, t205));
+		const double n17x = t206 - RNEA_FMA(0.076387601, a17z, 0.00105624*a17y);
+		const double t203 = t202 - dw17z;
+		const double t208 = RNEA_FMA(2.7705240000000002e-06, t200 - t196, RNEA_FMA(2.6564435999999998e-05, t201,
+			RNEA_FMA(-0.013632067081056923, t202, 1.7956080000000002e-07*t197)));
+		const double f17y = RNEA_FMA(0.00105624, t197, 0.076387601*(t195 + t200));
+		const double f17x = RNEA_FMA(-0.076387601, t203, 0.00105624*t201);
+		const double t207 = RNEA_FMA(2.7705240000000002e-06, t198, RNEA_FMA(-2.6564435999999998e-05, t203,
+			RNEA_FMA(-0.006630311869328461, dw17y, 0.007001755211728461*t199)));
+		const double t204 = RNEA_FMA(0.00105624, t196 + t200, 0.076387601*t198);
+		const double n17y = RNEA_FMA(0.00105624, a17x, RNEA_FMA(-1.7956080000000002e-07, t195 - t200, t207));
+		const double n17z = RNEA_FMA(0.076387601, a17x, t208);
 
 		/* ---- out to link 18 "r_hand" (fpass) ---- */
 		const double q18 = q[17*stride];
 		double s18, c18;
 		all_small &= rneagen_sincos_known(q18, known, sines + 32, &s18, &c18);
+		const double sa18 = RNEA_FMA(0.12403473458920845, s18, 0.9922778767136676*c18);
+		const double ca18 = RNEA_FMA(-0.9922778767136676, s18, 0.12403473458920845*c18);
+		const double a18x = RNEA_FMA(sa18, -a17z, a17x*ca18);
 		const double qd18 = qd[17*stride];
 		const double w18y = w17y + qd18;
 		const double qdd18 = qdd[17*stride];
 		const double dw18y = dw17y + qdd18;
-		const double w18z = RNEA_FMA(w17z, c18, w17x*s18);
-		const double w18x = RNEA_FMA(s18, -w17z, w17x*c18);
-		const double dw18x = RNEA_FMA(w18z, -qd18, RNEA_FMA(s18, -dw17z, dw17x*c18));
-		const double dw18z = RNEA_FMA(qd18, w18x, RNEA_FMA(dw17z, c18, dw17x*s18));
-		const double a18z = RNEA_FMA(a17z, c18, a16x*s18);
-		const double a18x = RNEA_FMA(s18, -a17z, a16x*c18);
-		const double t249 = w18z*w18y;
-		const double t250 = w18z*w18z;
-		const double t254 = w18z*w18x;
-		const double t251 = w18y*w18y;
-		const double t258 = w18x*w18y;
-		const double t255 = w18x*w18x;
-		const double t252 = t249 - dw18x;
-		const double t253 = dw18x + t249;
-		const double t256 = t254 - dw18y;
-		const double t257 = dw18y + t254;
-		const double t259 = t258 - dw18z;
-		const double t263 = RNEA_FMA(7.62246416e-06, t253, RNEA_FMA(-9.5280802e-07, t259,
-			RNEA_FMA(0.0004870151814,
-			dw18y, 8.985285720000002e-06*t254)));
-		const double t261 = RNEA_FMA(1.1678e-05, t257, -RNEA_FMA(0.060090400999999995, t259, 9.3424e-05*(t250
-			+ t251)));
-		const double t264 = RNEA_FMA(9.5280802e-07, t257, RNEA_FMA(1.86848e-09, t252,
-			RNEA_FMA(-0.005347990369749999,
-			t258, 0.0058260202654299995*dw18z)));
-		const double t260 = dw18z + t258;
-		const double t262 = RNEA_FMA(-1.86848e-09, t260, RNEA_FMA(-7.62246416e-06, t256,
-			RNEA_FMA(0.00583500555115,
-			dw18x, 0.00533900508403*t249)));
-		const double f18z = RNEA_FMA(0.6839, a18z, RNEA_FMA(-1.1678e-05, t251 + t255,
-			RNEA_FMA(-0.060090400999999995,
-			t253, 9.3424e-05*t256)));
-		const double f18y = RNEA_FMA(0.6839, a17y, RNEA_FMA(1.1678e-05, t252, RNEA_FMA(0.060090400999999995,
-			t250
-			+ t255, 9.3424e-05*t260)));
-		const double f17y = RNEA_FMA(0.648, t247, f18y);
-		const double n18x = RNEA_FMA(9.5280802e-07, t251 - t250, t262) - RNEA_FMA(0.060090400999999995, a18z,
-			1.1678e-05*a17y);
-		const double n18z = RNEA_FMA(9.3424e-05, a17y, 0.060090400999999995*a18x) + RNEA_FMA(7.62246416e-06,
-			t255
-			- t251, t264);
-		const double n18y = RNEA_FMA(-9.3424e-05, a18z, 1.1678e-05*a18x) + RNEA_FMA(-1.86848e-09, t250 - t255,
-			t263);
-		const double f18x = RNEA_FMA(0.6839, a18x, t261);
-		const double f17z = RNEA_FMA(0.648, t248, RNEA_FMA(f18x, -s18, c18*f18z));
-		const double f17x = RNEA_FMA(0.648, t246, RNEA_FMA(s18, f18z, c18*f18x));
-		const double f16x = RNEA_FMA(2.4798, t234, f17x);
-		const double f16z = RNEA_FMA(2.4798, t236, RNEA_FMA(s17, f17y, c17*f17z));
-		const double f16y = RNEA_FMA(2.4798, t235, RNEA_FMA(f17z, -s17, c17*f17y));
-		const double f15y = RNEA_FMA(3.248, a15y, f16y);
+		const double w18z = RNEA_FMA(w17z, ca18, w17x*sa18);
+		const double w18x = RNEA_FMA(sa18, -w17z, w17x*ca18);
+		const double dw18x = RNEA_FMA(w18z, -qd18, RNEA_FMA(sa18, -dw17z, dw17x*ca18));
+		const double dw18z = RNEA_FMA(qd18, w18x, RNEA_FMA(dw17z, ca18, dw17x*sa18));
+		const double t209 = w18z*w18y;
+		const double t212 = t209 - dw18x;
+		const double f17y_2 = RNEA_FMA(9.415104598463046e-05, t212, f17y);
+		const double t210 = w18z*w18z;
+		const double t213 = w18z*w18x;
+		const double t211 = w18y*w18y;
+		const double t216 = w18x*w18y;
+		const double t214 = w18x*w18x;
+		const double t218 = RNEA_FMA(7.681783841885999e-06, t211 - t210, RNEA_FMA(-0.00047830728587692307, t209,
+			1.107692307692308e-06*(dw18z + t216)));
+		const double t217 = 9.415104598463046e-05*(t211 + t214);
+		const double n18x = RNEA_FMA(-9.415104598463046e-05, a17y, t218);
+		const double t215 = dw18y + t213;
+		const double t219 = RNEA_FMA(-7.681783841885999e-06, t216 - dw18z, RNEA_FMA(-8.707895523076924e-06,
+			t213,
+			0.0004870151814*dw18y));
+		const double n18z = RNEA_FMA(7.681783841885999e-06, t215, RNEA_FMA(-1.107692307692308e-06, t212,
+			RNEA_FMA(8.707895523076924e-06, dw18z, 0.0004870151814*t216)));
+		const double f18x = 9.415104598463046e-05*t215;
+		const double t220 = t204 + RNEA_FMA(ca18, t217, sa18*f18x);
+		const double f17x_2 = f17x + RNEA_FMA(t217, -sa18, ca18*f18x);
+		const double f16x_2 = f16x + f17x_2;
+		const double f16y_2 = f16y + RNEA_FMA(c17, f17y_2, s17*t220);
+		const double t221 = RNEA_FMA(t220, -c17, s17*f17y_2);
+		const double f16z_2 = f16z + t221;
+		const double f15z = RNEA_FMA(3.248, a15z, RNEA_FMA(-s16, f16x_2, c16*f16z_2));
+		const double t222 = RNEA_FMA(s16, f16z_2, c16*f16x_2);
+		const double f15x = RNEA_FMA(3.248, a15x, t222);
+		const double f14x_2 = f14x + f15x;
+		const double f15y = RNEA_FMA(3.248, a15y, f16y_2);
+		const double n17z_2 = n17z + RNEA_FMA(n18x, -sa18, ca18*n18z);
+		const double n17x_2 = n17x + RNEA_FMA(sa18, n18z, ca18*n18x);
+		tau[16*stride] = n17x_2;
+		const double n16x_2 = n16x + RNEA_FMA(-0.29955, t221, n17x_2);
+		const double n18y = RNEA_FMA(9.415104598463046e-05, a18x, RNEA_FMA(1.107692307692308e-06, t210 - t214,
+			t219));
 		tau[17*stride] = n18y;
 		const double n17y_2 = n17y + n18y;
-		const double n17z_2 = n17z + RNEA_FMA(n18x, -s18, c18*n18z);
-		const double n17x_2 = n17x + RNEA_FMA(s18, n18z, c18*n18x);
-		tau[16*stride] = n17x_2;
-		const double n16x_2 = n16x + n17x_2;
-		const double n16z_2 = n16z + RNEA_FMA(s17, n17y_2, c17*n17z_2);
-		const double n16y_2 = n16y + RNEA_FMA(n17z_2, -s17, c17*n17y_2);
+		const double n16z_2 = n16z + RNEA_FMA(0.29955, f17x_2, RNEA_FMA(s17, n17y_2, c17*n17z_2));
+		const double n16y_2 = n16y + RNEA_FMA(-s17, n17z_2, c17*n17y_2);
 		tau[15*stride] = n16y_2;
-
-		/* ---- back from link 16 "r_ufarm" to link 15 (bpass): torque of "r_arm_uwy" ---- */
-		const double t265 = RNEA_FMA(-s16, f16x, c16*f16z);
-		const double t266 = RNEA_FMA(s16, f16z, c16*f16x);
-		const double n15z_2 = n15z + RNEA_FMA(0.29955, t266, RNEA_FMA(-s16, n16x_2, c16*n16z_2));
-		const double t267 = RNEA_FMA(s16, n16z_2, c16*n16x_2) + RNEA_FMA(-0.29955, t265, 0.00921*f16y);
-		const double f15z = RNEA_FMA(3.248, a15z, t265);
-		const double n15x = RNEA_FMA(0.00265, dw15x, t267);
+		const double n15y_2 = n15y + RNEA_FMA(-0.00921, t222, n16y_2);
+		const double n15z_2 = n15z + RNEA_FMA(-s16, n16x_2, c16*n16z_2);
+		const double n15x = RNEA_FMA(0.00265, dw15x, RNEA_FMA(0.00921, f16y_2, RNEA_FMA(s16, n16z_2,
+			c16*n16x_2)));
 		tau[14*stride] = n15x;
-		const double n15y_2 = n15y + RNEA_FMA(-0.00921, t266, n16y_2);
-		const double f15x = RNEA_FMA(3.248, a15x, t266);
-		const double n14z = across[85*step];
-		const double n14z_2 = n14z + RNEA_FMA(0.119, f15x, RNEA_FMA(s15, n15y_2, c15*n15z_2));
+		const double n14z_2 = n14z + RNEA_FMA(0.306, f15x, RNEA_FMA(s15, n15y_2, c15*n15z_2));
 		const double n14y = RNEA_FMA(0.00358, dw14y, RNEA_FMA(0.0092, f15x, RNEA_FMA(-s15, n15z_2,
 			c15*n15y_2)));
-		const double f14x = across[86*step];
-		const double f14x_2 = f14x + f15x;
 		tau[13*stride] = n14y;
 
 		/* ---- back from link 15 "r_larm" to link 14 (bpass): torque of "r_arm_elx" ---- */
-		const double t268 = RNEA_FMA(-s15, f15z, c15*f15y);
-		const double t269 = RNEA_FMA(s15, f15y, c15*f15z);
-		const double n14x = across[82*step];
-		const double n14x_2 = n14x + (n15x - RNEA_FMA(0.119, t269, 0.0092*t268));
-		const double f14y = across[84*step];
-		const double f14y_2 = f14y + t268;
-		const double a13y = across[68*step];
-		const double f13y = RNEA_FMA(3.899, a13y, f14y_2);
-		const double f14z = across[81*step];
-		const double f14z_2 = f14z + t269;
+		const double t223 = RNEA_FMA(-s15, f15z, c15*f15y);
+		const double t224 = RNEA_FMA(s15, f15y, c15*f15z);
+		const double n14x = across[76*step];
+		const double n14x_2 = n14x + (n15x - RNEA_FMA(0.306, t224, 0.0092*t223));
+		const double f14y = across[78*step];
+		const double f14y_2 = f14y + t223;
+		const double dw13x = across[62*step];
+		const double s14 = across[65*step];
+		const double c14 = across[66*step];
+		const double n13x = RNEA_FMA(0.00319, dw13x, RNEA_FMA(0.016, f14y_2, RNEA_FMA(s14, n14z_2,
+			c14*n14x_2)));
+		const double w13y = across[63*step];
+		const double w13x = across[61*step];
+		const double n13z = RNEA_FMA(-0.00319, w13y*w13x, RNEA_FMA(-s14, n14x_2, c14*n14z_2));
+		tau[12*stride] = n13x;
+		const double f14z = across[75*step];
+		const double f14z_2 = f14z + t224;
 
 		/* ---- back from link 14 "r_uarm" to link 13 (bpass): torque of "r_arm_ely" ---- */
-		const double s14 = across[72*step];
-		const double c14 = across[73*step];
-		const double t270 = RNEA_FMA(-s14, f14x_2, c14*f14z_2);
-		const double t271 = RNEA_FMA(s14, f14z_2, c14*f14x_2);
-		const double n13z = across[71*step];
-		const double n13z_2 = n13z + RNEA_FMA(0.187, t271, RNEA_FMA(-s14, n14x_2, c14*n14z_2));
-		const double t272 = RNEA_FMA(s14, n14z_2, c14*n14x_2) + RNEA_FMA(-0.187, t270, 0.016*f14y_2);
-		const double a13z = across[69*step];
-		const double f13z = RNEA_FMA(3.899, a13z, t270);
-		const double dw13x = across[67*step];
-		const double n13x = RNEA_FMA(0.00319, dw13x, t272);
-		tau[12*stride] = n13x;
-		const double n13y = across[70*step];
-		const double n13y_2 = n13y + RNEA_FMA(-0.016, t271, n14y);
-		const double a13x = across[63*step];
-		const double f13x = RNEA_FMA(3.899, a13x, t271);
-		const double n12z = across[61*step];
-		const double s13 = across[65*step];
-		const double c13 = across[66*step];
-		const double n12z_2 = n12z + RNEA_FMA(0.11, f13x, RNEA_FMA(s13, n13y_2, c13*n13z_2));
-		const double n12y = across[62*step];
-		const double n12y_2 = n12y + RNEA_FMA(-0.245, f13x, RNEA_FMA(-s13, n13z_2, c13*n13y_2));
-		const double f12x = across[64*step];
-		const double f12x_2 = f12x + f13x;
+		const double f13z = RNEA_FMA(-s14, f14x_2, c14*f14z_2);
+		const double f13x = RNEA_FMA(s14, f14z_2, c14*f14x_2);
+		const double t161 = across[64*step];
+		const double n13y = RNEA_FMA(0.00319, t161, RNEA_FMA(-0.016, f13x, n14y));
+		const double n12z = across[58*step];
+		const double s13 = across[59*step];
+		const double c13 = across[60*step];
+		const double n12z_2 = n12z + RNEA_FMA(0.11, f13x, RNEA_FMA(s13, n13y, c13*n13z));
+		const double t227 = RNEA_FMA(0.23260000000000003, f13x, RNEA_FMA(-s13, n13z, c13*n13y));
+		const double t158 = across[51*step];
+		const double f12x = RNEA_FMA(-0.42889, t158, f13x);
+		const double t153 = across[48*step];
+		const double n12y = t227 - RNEA_FMA(0.10375981400000002, t158, 0.01366*t153);
 		tau[11*stride] = n12z_2;
 
 		/* ---- back from link 13 "r_scap" to link 12 (bpass): torque of "r_arm_shx" ---- */
-		const double t273 = RNEA_FMA(-s13, f13z, c13*f13y);
-		const double t274 = RNEA_FMA(s13, f13y, c13*f13z);
-		const double n12x = across[58*step];
-		const double n12x_2 = n12x + (n13x + RNEA_FMA(-0.11, t274, 0.245*t273));
-		const double f12y = across[60*step];
-		const double f12y_2 = f12y + t273;
-		const double f12z = across[59*step];
-		const double f12z_2 = f12z + t274;
-		const double f3z_3 = across[48*step];
-		const double f3z_4 = f3z_3 + f12z_2;
-
-		/* ---- back from link 12 "r_clav" to link 3 (bpass): torque of "r_arm_shz" ---- */
-		const double s12 = across[49*step];
-		const double c12 = across[50*step];
-		const double t275 = RNEA_FMA(-s12, f12y_2, c12*f12x_2);
-		const double t276 = RNEA_FMA(s12, f12x_2, c12*f12y_2);
-		const double n3z_3 = across[38*step];
-		const double n3z_4 = n3z_3 + (n12z_2 + RNEA_FMA(0.1406, t276, 0.2256*t275));
-		const double f3y_3 = across[36*step];
-		const double f3y_4 = f3y_3 + t276;
-		const double f3x_3 = across[47*step];
-		const double f3x_4 = f3x_3 + t275;
-		const double t278 = RNEA_FMA(s12, n12x_2, c12*n12y_2) + RNEA_FMA(-0.1406, f12z_2, 0.4776*t275);
-		const double t277 = RNEA_FMA(-s12, n12y_2, c12*n12x_2);
-		const double n3x_3 = across[39*step];
-		const double n3x_4 = n3x_3 + (t277 - RNEA_FMA(0.2256, f12z_2, 0.4776*t276));
-		tau[2*stride] = n3x_4;
-		const double n2x = across[2*step];
-		const double s3 = across[5*step];
-		const double c3 = across[6*step];
-		const double n2x_2 = n2x + RNEA_FMA(-0.05, RNEA_FMA(-s3, f3z_4, c3*f3y_4), n3x_4);
-		const double n3y_3 = across[43*step];
-		const double n3y_4 = n3y_3 + t278;
+		const double t225 = RNEA_FMA(-s13, f13z, c13*f14y_2);
+		const double t226 = RNEA_FMA(s13, f14y_2, c13*f13z);
+		const double n12x = across[50*step];
+		const double n12x_2 = n12x + (n13x - RNEA_FMA(0.11, t226, 0.23260000000000003*t225));
+		const double t155 = across[49*step];
+		const double f12y = RNEA_FMA(0.42889, t155, t225);
+		const double f3y_3 = across[37*step];
+		const double s12 = across[45*step];
+		const double c12 = across[46*step];
+		const double f3y_4 = f3y_3 + RNEA_FMA(s12, f12x, c12*f12y);
+		const double t228 = RNEA_FMA(-s12, f12y, c12*f12x);
+		const double n3z_3 = across[40*step];
+		const double n3z_4 = n3z_3 + RNEA_FMA(0.2256, t228, n12z_2);
+		const double f3x_3 = across[44*step];
+		const double f3x_4 = f3x_3 + t228;
+		const double t152 = across[47*step];
+		const double f12z = RNEA_FMA(-0.42889, t152, t226);
+		const double n3x_3 = across[41*step];
+		const double n3x_4 = n3x_3 + RNEA_FMA(-0.2256, f12z, RNEA_FMA(-s12, n12y, c12*n12x_2));
+		const double n3y_3 = across[42*step];
+		const double n3y_4 = n3y_3 + RNEA_FMA(s12, n12x_2, c12*n12y);
+		const double f3z_3 = across[43*step];
+		const double f3z_4 = f3z_3 + f12z;
+		const double s3 = across[6*step];
+		const double c3 = across[7*step];
+		const double t230 = RNEA_FMA(-0.1406, RNEA_FMA(s3, f3y_4, c3*f3z_4), 0.05*f3x_4);
+		const double t229 = RNEA_FMA(-s3, f3z_4, c3*f3y_4);
 		const double n2z = across[3*step];
-		const double n2z_2 = n2z + RNEA_FMA(s3, n3y_4, c3*n3z_4);
-		const double n2y = across[4*step];
-		const double n2y_2 = n2y + RNEA_FMA(0.05, f3x_4, RNEA_FMA(-s3, n3z_4, c3*n3y_4));
+		const double n2z_2 = n2z + RNEA_FMA(0.1406, t229, RNEA_FMA(s3, n3y_4, c3*n3z_4));
+		const double n2y = across[2*step];
+		const double n2y_2 = n2y + (RNEA_FMA(-s3, n3z_4, c3*n3y_4) + t230);
 		tau[stride] = n2y_2;
+		const double n2x = across[4*step];
+		const double n2x_2 = n2x + RNEA_FMA(-0.05, t229, n3x_4);
+		tau[2*stride] = n3x_4;
 		const double qdd1 = qdd[0];
 		const double s2 = across[0];
 		const double c2 = across[step];
-		const double n1z = RNEA_FMA(0.002034694245187647, qdd1, RNEA_FMA(n2x_2, -s2, c2*n2z_2));
+		const double n1z = RNEA_FMA(0.2619409395014087, qdd1, RNEA_FMA(n2x_2, -s2, c2*n2z_2));
 		tau[0] = n1z;
 	}
 	return all_small;
@@ -1264,40 +1182,38 @@ static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *
 		const double w20y = qd19*s20;
 		const double w20z = qd19*c20;
 		const double qd20 = qd[19*stride];
-		const double t279 = qd20*w20z;
-		const double t280 = qd20*w20y;
+		const double t231 = qd20*w20z;
+		const double t232 = qd20*w20y;
 		const double qdd19 = qdd[18*stride];
-		const double dw20y = RNEA_FMA(qdd19, s20, t279);
-		const double dw20z = RNEA_FMA(qdd19, c20, -t280);
-		const double t281 = w20y*w20z;
-		const double t282 = w20z*w20z;
-		const double t283 = w20y*w20y;
+		const double dw20y = RNEA_FMA(qdd19, s20, t231);
+		const double dw20z = RNEA_FMA(qdd19, c20, -t232);
+		const double t233 = w20y*w20z;
+		const double t234 = w20z*w20z;
+		const double t235 = w20y*w20y;
 		const double qdd20 = qdd[19*stride];
-		const double t284 = t281 - qdd20;
-		const double t285 = qdd20 + t281;
-		const double t286 = qd20*qd20;
-		const double t287 = t279 - dw20y;
-		const double t288 = t279 + dw20y;
-		const double t289 = t280 - dw20z;
-		const double t292 = RNEA_FMA(-0.00022657231325511998, t285, RNEA_FMA(-0.00061559686104864, t289,
-			RNEA_FMA(0.0023026633314053, dw20y, 0.0003412337232385399*t279)));
-		const double t294 = RNEA_FMA(-0.066, t288, RNEA_FMA(-0.05, t282 + t283, 0.0225*t289));
-		const double t293 = RNEA_FMA(0.00061559686104864, t288, RNEA_FMA(-0.00037615682507336, t284,
-			RNEA_FMA(0.00148553465650226, dw20z, 0.00047589495166449995*t280)));
-		const double t290 = t280 + dw20z;
-		const double a21y = RNEA_FMA(9.81, s20, RNEA_FMA(-0.066, t284, RNEA_FMA(-0.0225, t282 + t286,
-			0.05*t290)));
-		const double t291 = RNEA_FMA(0.00037615682507336, t290, RNEA_FMA(0.00022657231325511998, t287,
-			RNEA_FMA(-0.0008171286749030399, t281, 0.0018267683797407999*qdd20)));
-		const double t295 = RNEA_FMA(9.81, c20, RNEA_FMA(0.066, t283 + t286, RNEA_FMA(0.0225, t285,
-			0.05*t287)));
-		const double n20x = RNEA_FMA(0.150185833992, c20, 0.274898464776*s20) + RNEA_FMA(0.00061559686104864,
-			t283
-			- t282, t291);
-		const double n20y = RNEA_FMA(-0.11746515385800001, c20, RNEA_FMA(0.00037615682507336, t282 - t286,
-			t292));
-		const double n20z = RNEA_FMA(0.11746515385800001, s20, RNEA_FMA(-0.00022657231325511998, t286 - t283,
-			t293));
+		const double t236 = t233 - qdd20;
+		const double t237 = qdd20 + t233;
+		const double t238 = qd20*qd20;
+		const double t239 = t231 - dw20y;
+		const double t240 = t231 + dw20y;
+		const double t241 = t232 - dw20z;
+		const double t244 = RNEA_FMA(-0.009456072313255121, t237, RNEA_FMA(-0.012798536861048641, t241,
+			RNEA_FMA(-0.4193959223250969, dw20y, 0.4935130673797408*t231)));
+		const double t246 = RNEA_FMA(-0.066, t240, RNEA_FMA(-0.05, t234 + t235, 0.0225*t241));
+		const double t245 = RNEA_FMA(0.012798536861048641, t240, -RNEA_FMA(0.027449356825073365, t236,
+			0.9129089897048378*t232));
+		const double t242 = t232 + dw20z;
+		const double a21y = RNEA_FMA(9.81, s20, RNEA_FMA(-0.066, t236, RNEA_FMA(-0.0225, t234 + t238,
+			0.05*t242)));
+		const double t243 = RNEA_FMA(0.027449356825073365, t242, RNEA_FMA(0.009456072313255121, t239,
+			RNEA_FMA(0.4935130673797408, qdd20, 0.4193959223250969*t233)));
+		const double t247 = RNEA_FMA(9.81, c20, RNEA_FMA(0.066, t235 + t238, RNEA_FMA(0.0225, t237,
+			0.05*t239)));
+		const double n20x = RNEA_FMA(1.9610137339920002, c20, 5.586660304776001*s20)
+			+ RNEA_FMA(0.012798536861048641,
+			t235 - t234, t243);
+		const double n20y = RNEA_FMA(0.027449356825073365, t234 - t238, t244);
+		const double n20z = RNEA_FMA(-0.009456072313255121, t238 - t235, t245);
 
 		/* ---- out to link 21 "l_uleg" (fpass) ---- */
 		const double q21 = q[20*stride];
@@ -1311,22 +1227,21 @@ static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *
 		const double w21x = RNEA_FMA(s21, -w20z, qd20*c21);
 		const double dw21x = RNEA_FMA(w21z, -qd21, RNEA_FMA(s21, -dw20z, qdd20*c21));
 		const double dw21z = RNEA_FMA(qd21, w21x, RNEA_FMA(dw20z, c21, qdd20*s21));
-		const double a21z = RNEA_FMA(c21, t295, s21*t294);
-		const double a21x = RNEA_FMA(t295, -s21, c21*t294);
-		const double t296 = w21z*w21y;
-		const double t297 = w21y*w21y;
-		const double t298 = t296 - dw21x;
-		const double n21x = RNEA_FMA(1.7228400000000001, a21y, RNEA_FMA(-0.4317964, t296, 0.4517964*dw21x));
-		const double t299 = w21z*w21x;
-		const double t300 = dw21y + t299;
-		const double t301 = RNEA_FMA(w21x, w21x, t297);
-		const double t302 = a21x + RNEA_FMA(-0.374, t300, 0.05*RNEA_FMA(w21z, w21z, t297));
-		const double f21x = RNEA_FMA(-1.7228400000000001, t300, 8.204*a21x);
-		const double n21y = RNEA_FMA(-1.7228400000000001, a21x, RNEA_FMA(0.4517964, dw21y, 0.4317964*t299));
-		const double t303 = a21z + RNEA_FMA(-0.05, t299 - dw21y, 0.374*t301);
-		const double f21z = RNEA_FMA(8.204, a21z, 1.7228400000000001*t301);
-		const double f21y = RNEA_FMA(-1.7228400000000001, t298, 8.204*a21y);
-		const double a22y = a21y - RNEA_FMA(0.374, t298, 0.05*RNEA_FMA(w21x, w21y, dw21z));
+		const double a21z = RNEA_FMA(c21, t247, s21*t246);
+		const double a21x = RNEA_FMA(t247, -s21, c21*t246);
+		const double t248 = w21z*w21y;
+		const double t249 = w21y*w21y;
+		const double t250 = t248 - dw21x;
+		const double n21x = RNEA_FMA(-0.8835928, t248, 1.7228400000000001*a21y);
+		const double t251 = w21z*w21x;
+		const double t252 = dw21y + t251;
+		const double t253 = w21x*w21y;
+		const double a22y = a21y - RNEA_FMA(0.374, t250, 0.05*(dw21z + t253));
+		const double n21z = RNEA_FMA(-0.4317964, dw21z, 0.4517964*t253);
+		const double t254 = RNEA_FMA(w21x, w21x, t249);
+		const double t255 = a21x + RNEA_FMA(-0.374, t252, 0.05*RNEA_FMA(w21z, w21z, t249));
+		const double n21y = RNEA_FMA(-1.7228400000000001, a21x, RNEA_FMA(0.4517964, dw21y, 0.4317964*t251));
+		const double t256 = a21z + RNEA_FMA(-0.05, t251 - dw21y, 0.374*t254);
 
 		/* ---- out to link 22 "l_lleg" (fpass) ---- */
 		const double q22 = q[21*stride];
@@ -1340,33 +1255,32 @@ static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *
 		const double w22x = RNEA_FMA(s22, -w21z, w21x*c22);
 		const double dw22x = RNEA_FMA(w22z, -qd22, RNEA_FMA(s22, -dw21z, dw21x*c22));
 		const double dw22z = RNEA_FMA(qd22, w22x, RNEA_FMA(dw21z, c22, dw21x*s22));
-		const double a22z = RNEA_FMA(c22, t303, s22*t302);
-		const double a22x = RNEA_FMA(t303, -s22, c22*t302);
-		const double t304 = w22z*w22y;
-		const double t305 = w22z*w22z;
-		const double t306 = w22y*w22y;
-		const double t307 = t304 - dw22x;
-		const double t308 = w22z*w22x;
-		const double t309 = w22x*w22x;
-		const double t310 = dw22y + t308;
-		const double t311 = w22x*w22y;
-		const double t312 = t306 + t309;
-		const double t314 = RNEA_FMA(-0.002155695, t305 - t309, RNEA_FMA(0.23388954999999997, dw22y,
-			0.22488052*t308));
-		const double f22z = RNEA_FMA(4.515, a22z, RNEA_FMA(0.844305, t312, 0.004515*(t308 - dw22y)));
-		const double t316 = RNEA_FMA(0.422, t312, a22z);
-		const double n22y = t314 - RNEA_FMA(0.844305, a22x, 0.004515*a22z);
-		const double f22x = RNEA_FMA(4.515, a22x, -RNEA_FMA(0.844305, t310, 0.004515*(t305 + t306)));
-		const double t315 = RNEA_FMA(-0.422, t310, a22x);
-		const double t313 = dw22z + t311;
-		const double n22z = RNEA_FMA(0.004515, a22y, RNEA_FMA(0.002155695, t307,
-			RNEA_FMA(-0.0009954850000000008, t311,
-			0.010004515*dw22z)));
-		const double n22x = RNEA_FMA(0.844305, a22y, RNEA_FMA(-0.002155695, t313, RNEA_FMA(-0.22388503499999998,
-			t304,
-			0.234885035*dw22x)));
-		const double f22y = RNEA_FMA(4.515, a22y, RNEA_FMA(-0.844305, t307, 0.004515*t313));
-		const double a23y = RNEA_FMA(-0.422, t307, a22y);
+		const double a22z = RNEA_FMA(c22, t256, s22*t255);
+		const double a22x = RNEA_FMA(t256, -s22, c22*t255);
+		const double t257 = w22z*w22y;
+		const double t258 = w22z*w22z;
+		const double t259 = w22y*w22y;
+		const double t260 = t257 - dw22x;
+		const double t261 = w22z*w22x;
+		const double t262 = w22x*w22x;
+		const double t263 = dw22y + t261;
+		const double t264 = w22x*w22y;
+		const double t265 = t259 + t262;
+		const double t267 = RNEA_FMA(-0.002155695, t258 - t262, RNEA_FMA(0.68533249, dw22y, 0.67632346*t261));
+		const double f22z = RNEA_FMA(7.05, a22z, RNEA_FMA(1.914075, t265, 0.004515*(t261 - dw22y)));
+		const double t269 = RNEA_FMA(0.422, t265, a22z);
+		const double n22y = t267 - RNEA_FMA(1.914075, a22x, 0.004515*a22z);
+		const double f22x = RNEA_FMA(7.05, a22x, -RNEA_FMA(1.914075, t263, 0.004515*(t258 + t259)));
+		const double t268 = RNEA_FMA(-0.422, t263, a22x);
+		const double t266 = dw22z + t264;
+		const double n22z = RNEA_FMA(0.004515, a22y, RNEA_FMA(0.002155695, t260, RNEA_FMA(-0.001005652400000001,
+			t264,
+			0.0100146824*dw22z)));
+		const double n22x = RNEA_FMA(1.914075, a22y, RNEA_FMA(-0.002155695, t266, RNEA_FMA(-0.6753178075999999,
+			t257,
+			0.6863381424*dw22x)));
+		const double f22y = RNEA_FMA(7.05, a22y, RNEA_FMA(-1.914075, t260, 0.004515*t266));
+		const double a23y = RNEA_FMA(-0.422, t260, a22y);
 
 		/* ---- out to link 23 "l_talus" (fpass) ---- */
 		const double q23 = q[22*stride];
@@ -1380,17 +1294,18 @@ static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *
 		const double w23x = RNEA_FMA(s23, -w22z, w22x*c23);
 		const double dw23x = RNEA_FMA(w23z, -qd23, RNEA_FMA(s23, -dw22z, dw22x*c23));
 		const double dw23z = RNEA_FMA(qd23, w23x, RNEA_FMA(dw22z, c23, dw22x*s23));
-		const double a23z = RNEA_FMA(c23, t316, s23*t315);
-		const double a23x = RNEA_FMA(t316, -s23, c23*t315);
-		const double f23x = 0.125*a23x;
-		const double n23x = RNEA_FMA(1.01674e-05, dw23x, 4.5823499999999986e-06*(w23z*w23y));
-		const double n23y = RNEA_FMA(-2.842699999999999e-06, w23z*w23x, 8.42775e-06*dw23y);
-		const double n23z = RNEA_FMA(-1.7396499999999995e-06, w23x*w23y, 1.30101e-05*dw23z);
+		const double a23z = RNEA_FMA(c23, t269, s23*t268);
+		const double a23x = RNEA_FMA(t269, -s23, c23*t268);
+		const double t270 = w23z*w23x;
+		const double t271 = w23x*w23y;
+		const double n23y = RNEA_FMA(-0.06507, a23z, RNEA_FMA(-0.0097597327, t270, 0.00976531775*dw23y));
+		const double n23z = RNEA_FMA(0.06507, a23y, RNEA_FMA(0.0097597327, dw23z, 0.00976531775*t271));
 
 		/* ---- out to link 24 "l_foot" (fpass) ---- */
 		const double q24 = q[23*stride];
 		double s24, c24;
 		all_small &= rneagen_sincos_known(q24, known, sines + 42, &s24, &c24);
+		const double a24y = RNEA_FMA(a23y, c24, a23z*s24);
 		const double qd24 = qd[23*stride];
 		const double w24x = w23x + qd24;
 		const double qdd24 = qdd[23*stride];
@@ -1399,59 +1314,59 @@ static RNEA_INLINE int atlas_rnea_segment4(const double *first_q, const double *
 		const double w24z = RNEA_FMA(s24, -w23y, w23z*c24);
 		const double dw24y = RNEA_FMA(qd24, w24z, RNEA_FMA(dw23y, c24, dw23z*s24));
 		const double dw24z = RNEA_FMA(w24y, -qd24, RNEA_FMA(s24, -dw23y, dw23z*c24));
-		const double a24y = RNEA_FMA(a23y, c24, a23z*s24);
-		const double a24z = RNEA_FMA(s24, -a23y, a23z*c24);
-		const double t317 = w24y*w24z;
-		const double t318 = w24y*w24y;
-		const double t320 = w24y*w24x;
-		const double t322 = a24y + RNEA_FMA(-0.067, t317 - dw24x, 0.027*(dw24z + t320));
-		const double n24z = RNEA_FMA(0.06507, t322, RNEA_FMA(0.008, dw24z, 0.005*t320));
-		const double n24x = RNEA_FMA(0.16147000000000003, t322, RNEA_FMA(0.002, dw24x, 0.001*t317));
-		const double f24y = 2.41*t322;
-		tau[23*stride] = n24x;
-		const double n23x_2 = n23x + n24x;
-		const double t319 = w24z*w24x;
-		const double t323 = a24z + RNEA_FMA(0.067, RNEA_FMA(w24x, w24x, t318), 0.027*(t319 - dw24y));
-		const double t321 = a23x - RNEA_FMA(0.067, dw24y + t319, 0.027*RNEA_FMA(w24z, w24z, t318));
-		const double n24y = RNEA_FMA(-0.006, t319, 0.007*dw24y) - RNEA_FMA(0.16147000000000003, t321,
-			0.06507*t323);
-		const double f24z = 2.41*t323;
-		const double f23z = RNEA_FMA(0.125, a23z, RNEA_FMA(s24, f24y, c24*f24z));
-		const double f23y = RNEA_FMA(0.125, a23y, RNEA_FMA(f24z, -s24, c24*f24y));
+		const double t272 = w24y*w24z;
+		const double t273 = t272 - dw24x;
+		const double t274 = w24z*w24x;
+		const double t275 = w24x*w24x;
+		const double t276 = w24y*w24x;
+		const double f24z = 0.16147000000000003*RNEA_FMA(w24y, w24y, t275);
+		const double t278 = RNEA_FMA(0.00435969, RNEA_FMA(w24z, w24z, -t275), RNEA_FMA(0.009818490000000003,
+			dw24y,
+			0.012818490000000002*t274));
+		const double t280 = RNEA_FMA(0.16147000000000003, dw24y + t274, 0.06507*RNEA_FMA(w23y, w23y,
+			w23z*w23z));
+		const double n24y = RNEA_FMA(-0.16147000000000003, a23x, t278);
+		const double n24x = RNEA_FMA(0.16147000000000003, a24y, RNEA_FMA(0.00435969, dw24z + t276,
+			RNEA_FMA(-0.009818490000000003, t272, 0.012818490000000002*dw24x)));
+		const double t279 = RNEA_FMA(0.00435969, t273, 0.003*t276);
+		const double t277 = 0.16147000000000003*t273;
+		const double f23z = RNEA_FMA(0.06507, t270 - dw23y, RNEA_FMA(t277, -s24, c24*f24z));
+		const double f23y = RNEA_FMA(0.06507, dw23z + t271, -RNEA_FMA(c24, t277, s24*f24z));
 		const double f22y_2 = f22y + f23y;
-		const double f21y_2 = f21y + f22y_2;
-		const double f23x_2 = RNEA_FMA(2.41, t321, f23x);
-		const double f22z_2 = f22z + RNEA_FMA(-s23, f23x_2, c23*f23z);
-		const double t324 = RNEA_FMA(s23, f23z, c23*f23x_2);
-		const double f22x_2 = f22x + t324;
-		const double n23z_2 = n23z + RNEA_FMA(s24, n24y, c24*n24z);
-		const double n23y_2 = n23y + RNEA_FMA(n24z, -s24, c24*n24y);
+		const double f21y = RNEA_FMA(-1.7228400000000001, t250, f22y_2);
+		const double f22z_2 = f22z + RNEA_FMA(c23, f23z, s23*t280);
+		const double t281 = RNEA_FMA(t280, -c23, s23*f23z);
+		const double f22x_2 = f22x + t281;
+		const double n23z_2 = n23z + RNEA_FMA(t279, -c24, s24*n24y);
+		const double n23y_2 = n23y + RNEA_FMA(c24, n24y, s24*t279);
 		tau[22*stride] = n23y_2;
-		const double n22y_2 = n22y + RNEA_FMA(-0.422, t324, n23y_2);
+		const double n22y_2 = n22y + RNEA_FMA(-0.422, t281, n23y_2);
 		tau[21*stride] = n22y_2;
-		const double n22z_2 = n22z + RNEA_FMA(-s23, n23x_2, c23*n23z_2);
-		const double n22x_2 = n22x + RNEA_FMA(0.422, f23y, RNEA_FMA(s23, n23z_2, c23*n23x_2));
-		const double n21z = RNEA_FMA(0.02, dw21z, RNEA_FMA(-0.05, f22y_2, RNEA_FMA(-s22, n22x_2, c22*n22z_2)));
+		tau[23*stride] = n24x;
+		const double n23x = RNEA_FMA(-5.585050000000002e-06, w23z*w23y, n24x);
+		const double n22z_2 = n22z + RNEA_FMA(-s23, n23x, c23*n23z_2);
+		const double n22x_2 = n22x + RNEA_FMA(0.422, f23y, RNEA_FMA(s23, n23z_2, c23*n23x));
+		const double n21z_2 = n21z + RNEA_FMA(-0.05, f22y_2, RNEA_FMA(-s22, n22x_2, c22*n22z_2));
 		const double n21x_2 = n21x + RNEA_FMA(0.374, f22y_2, RNEA_FMA(s22, n22z_2, c22*n22x_2));
 
 		/* ---- back from link 22 "l_lleg" to link 21 (bpass): torque of "l_leg_kny" ---- */
-		const double t325 = RNEA_FMA(-s22, f22x_2, c22*f22z_2);
-		const double t326 = RNEA_FMA(s22, f22z_2, c22*f22x_2);
-		const double n21y_2 = n21y + (n22y_2 + RNEA_FMA(-0.374, t326, 0.05*t325));
-		const double f21z_2 = f21z + t325;
-		const double f21x_2 = f21x + t326;
+		const double t282 = RNEA_FMA(-s22, f22x_2, c22*f22z_2);
+		const double t283 = RNEA_FMA(s22, f22z_2, c22*f22x_2);
+		const double n21y_2 = n21y + (n22y_2 + RNEA_FMA(-0.374, t283, 0.05*t282));
+		const double f21z = RNEA_FMA(1.7228400000000001, t254, t282);
+		const double f21x = RNEA_FMA(-1.7228400000000001, t252, t283);
 		tau[20*stride] = n21y_2;
 
 		/* ---- back from link 21 "l_uleg" to link 20 (bpass): torque of "l_leg_hpy" ---- */
-		const double t327 = RNEA_FMA(-s21, f21x_2, c21*f21z_2);
-		const double t328 = RNEA_FMA(s21, f21z_2, c21*f21x_2);
-		const double n20y_2 = n20y + (n21y_2 - RNEA_FMA(0.066, t328, 0.05*t327));
-		const double t330 = RNEA_FMA(s21, n21z, c21*n21x_2) + RNEA_FMA(0.0225, t327, 0.066*f21y_2);
-		const double t329 = RNEA_FMA(-s21, n21x_2, c21*n21z);
-		const double n20z_2 = n20z + (t329 + RNEA_FMA(-0.0225, t328, 0.05*f21y_2));
-		const double n19z = RNEA_FMA(0.0004905759537860812, qdd19, RNEA_FMA(s20, n20y_2, c20*n20z_2));
+		const double t284 = RNEA_FMA(-s21, f21x, c21*f21z);
+		const double t285 = RNEA_FMA(s21, f21z, c21*f21x);
+		const double n20y_2 = n20y + (n21y_2 - RNEA_FMA(0.066, t285, 0.05*t284));
+		const double t287 = RNEA_FMA(s21, n21z_2, c21*n21x_2) + RNEA_FMA(0.0225, t284, 0.066*f21y);
+		const double t286 = RNEA_FMA(-s21, n21x_2, c21*n21z_2);
+		const double n20z_2 = n20z + (t286 + RNEA_FMA(-0.0225, t285, 0.05*f21y));
+		const double n19z = RNEA_FMA(0.4784357856102883, qdd19, RNEA_FMA(s20, n20y_2, c20*n20z_2));
 		tau[18*stride] = n19z;
-		const double n20x_2 = n20x + t330;
+		const double n20x_2 = n20x + t287;
 		tau[19*stride] = n20x_2;
 	}
 	return all_small;
@@ -1483,40 +1398,38 @@ static RNEA_INLINE int atlas_rnea_segment5(const double *first_q, const double *
 		const double w26y = qd25*s26;
 		const double w26z = qd25*c26;
 		const double qd26 = qd[25*stride];
-		const double t331 = qd26*w26z;
-		const double t332 = qd26*w26y;
+		const double t288 = qd26*w26z;
+		const double t289 = qd26*w26y;
 		const double qdd25 = qdd[24*stride];
-		const double dw26y = RNEA_FMA(qdd25, s26, t331);
-		const double dw26z = RNEA_FMA(qdd25, c26, -t332);
-		const double t333 = w26y*w26z;
-		const double t334 = w26z*w26z;
-		const double t335 = w26y*w26y;
+		const double dw26y = RNEA_FMA(qdd25, s26, t288);
+		const double dw26z = RNEA_FMA(qdd25, c26, -t289);
+		const double t290 = w26y*w26z;
+		const double t291 = w26z*w26z;
+		const double t292 = w26y*w26y;
 		const double qdd26 = qdd[25*stride];
-		const double t336 = t333 - qdd26;
-		const double t337 = qdd26 + t333;
-		const double t338 = qd26*qd26;
-		const double t339 = t331 - dw26y;
-		const double t340 = t331 + dw26y;
-		const double t341 = t332 - dw26z;
-		const double t344 = RNEA_FMA(0.00022657231325511998, t337, RNEA_FMA(0.00061559686104864, t341,
-			RNEA_FMA(0.0023026633314053, dw26y, 0.0003412337232385399*t331)));
-		const double t346 = RNEA_FMA(0.066, t340, RNEA_FMA(0.0225, t341, 0.05*(t334 + t335)));
-		const double t345 = RNEA_FMA(-0.00061559686104864, t340, RNEA_FMA(-0.00037615682507336, t336,
-			RNEA_FMA(0.00148553465650226, dw26z, 0.00047589495166449995*t332)));
-		const double t342 = t332 + dw26z;
-		const double a27y = RNEA_FMA(9.81, s26, RNEA_FMA(-0.066, t336, RNEA_FMA(0.0225, t334 + t338,
-			0.05*t342)));
-		const double t343 = RNEA_FMA(0.00037615682507336, t342, RNEA_FMA(-0.00022657231325511998, t339,
-			RNEA_FMA(-0.0008171286749030399, t333, 0.0018267683797407999*qdd26)));
-		const double t347 = RNEA_FMA(9.81, c26, RNEA_FMA(0.066, t335 + t338, RNEA_FMA(-0.0225, t337,
-			0.05*t339)));
-		const double n26x = RNEA_FMA(-0.150185833992, c26, 0.274898464776*s26) + RNEA_FMA(-0.00061559686104864,
-			t335
-			- t334, t343);
-		const double n26y = RNEA_FMA(-0.11746515385800001, c26, RNEA_FMA(0.00037615682507336, t334 - t338,
-			t344));
-		const double n26z = RNEA_FMA(0.11746515385800001, s26, RNEA_FMA(0.00022657231325511998, t338 - t335,
-			t345));
+		const double t293 = t290 - qdd26;
+		const double t294 = qdd26 + t290;
+		const double t295 = qd26*qd26;
+		const double t296 = t288 - dw26y;
+		const double t297 = t288 + dw26y;
+		const double t298 = t289 - dw26z;
+		const double t301 = RNEA_FMA(0.009456072313255121, t294, RNEA_FMA(0.012798536861048641, t298,
+			RNEA_FMA(-0.4193959223250969, dw26y, 0.4935130673797408*t288)));
+		const double t303 = RNEA_FMA(0.066, t297, RNEA_FMA(0.0225, t298, 0.05*(t291 + t292)));
+		const double t302 = -RNEA_FMA(0.012798536861048641, t297, RNEA_FMA(0.027449356825073365, t293,
+			0.9129089897048378*t289));
+		const double t299 = t289 + dw26z;
+		const double a27y = RNEA_FMA(9.81, s26, RNEA_FMA(-0.066, t293, RNEA_FMA(0.0225, t291 + t295,
+			0.05*t299)));
+		const double t300 = RNEA_FMA(0.027449356825073365, t299, RNEA_FMA(-0.009456072313255121, t296,
+			RNEA_FMA(0.4935130673797408, qdd26, 0.4193959223250969*t290)));
+		const double t304 = RNEA_FMA(9.81, c26, RNEA_FMA(0.066, t292 + t295, RNEA_FMA(-0.0225, t294,
+			0.05*t296)));
+		const double n26x = RNEA_FMA(-1.9610137339920002, c26, 5.586660304776001*s26)
+			+ RNEA_FMA(-0.012798536861048641,
+			t292 - t291, t300);
+		const double n26y = RNEA_FMA(0.027449356825073365, t291 - t295, t301);
+		const double n26z = RNEA_FMA(0.009456072313255121, t295 - t292, t302);
 
 		/* ---- out to link 27 "r_uleg" (fpass) ---- */
 		const double q27 = q[26*stride];
@@ -1530,21 +1443,21 @@ static RNEA_INLINE int atlas_rnea_segment5(const double *first_q, const double *
 		const double w27x = RNEA_FMA(s27, -w26z, qd26*c27);
 		const double dw27x = RNEA_FMA(w27z, -qd27, RNEA_FMA(s27, -dw26z, qdd26*c27));
 		const double dw27z = RNEA_FMA(qd27, w27x, RNEA_FMA(dw26z, c27, qdd26*s27));
-		const double a27z = RNEA_FMA(t346, -s27, c27*t347);
-		const double t348 = RNEA_FMA(s27, t347, c27*t346);
-		const double t349 = w27z*w27y;
-		const double t350 = w27y*w27y;
-		const double t351 = t349 - dw27x;
-		const double n27x = RNEA_FMA(1.7228400000000001, a27y, RNEA_FMA(-0.4317964, t349, 0.4517964*dw27x));
-		const double t352 = w27z*w27x;
-		const double t353 = dw27y + t352;
-		const double t354 = RNEA_FMA(w27x, w27x, t350);
-		const double t355 = RNEA_FMA(-0.374, t353, 0.05*RNEA_FMA(w27z, w27z, t350)) - t348;
-		const double f27y = RNEA_FMA(-1.7228400000000001, t351, 8.204*a27y);
-		const double a28y = a27y - RNEA_FMA(0.374, t351, 0.05*RNEA_FMA(w27x, w27y, dw27z));
-		const double f27z = RNEA_FMA(8.204, a27z, 1.7228400000000001*t354);
-		const double t356 = a27z + RNEA_FMA(-0.05, t352 - dw27y, 0.374*t354);
-		const double n27y = RNEA_FMA(1.7228400000000001, t348, RNEA_FMA(0.4517964, dw27y, 0.4317964*t352));
+		const double a27z = RNEA_FMA(t303, -s27, c27*t304);
+		const double t305 = RNEA_FMA(s27, t304, c27*t303);
+		const double t306 = w27z*w27y;
+		const double t307 = w27y*w27y;
+		const double t308 = t306 - dw27x;
+		const double n27x = RNEA_FMA(-0.8835928, t306, 1.7228400000000001*a27y);
+		const double t309 = w27z*w27x;
+		const double t310 = dw27y + t309;
+		const double t311 = w27x*w27y;
+		const double a28y = a27y - RNEA_FMA(0.374, t308, 0.05*(dw27z + t311));
+		const double n27z = RNEA_FMA(-0.4317964, dw27z, 0.4517964*t311);
+		const double t312 = RNEA_FMA(w27x, w27x, t307);
+		const double t313 = RNEA_FMA(-0.374, t310, 0.05*RNEA_FMA(w27z, w27z, t307)) - t305;
+		const double n27y = RNEA_FMA(1.7228400000000001, t305, RNEA_FMA(0.4517964, dw27y, 0.4317964*t309));
+		const double t314 = a27z + RNEA_FMA(-0.05, t309 - dw27y, 0.374*t312);
 
 		/* ---- out to link 28 "r_lleg" (fpass) ---- */
 		const double q28 = q[27*stride];
@@ -1558,33 +1471,32 @@ static RNEA_INLINE int atlas_rnea_segment5(const double *first_q, const double *
 		const double w28x = RNEA_FMA(s28, -w27z, w27x*c28);
 		const double dw28x = RNEA_FMA(w28z, -qd28, RNEA_FMA(s28, -dw27z, dw27x*c28));
 		const double dw28z = RNEA_FMA(qd28, w28x, RNEA_FMA(dw27z, c28, dw27x*s28));
-		const double a28z = RNEA_FMA(c28, t356, s28*t355);
-		const double a28x = RNEA_FMA(t356, -s28, c28*t355);
-		const double t357 = w28z*w28y;
-		const double t358 = w28z*w28z;
-		const double t359 = w28y*w28y;
-		const double t360 = t357 - dw28x;
-		const double t361 = w28z*w28x;
-		const double t362 = w28x*w28x;
-		const double t363 = dw28y + t361;
-		const double t364 = w28x*w28y;
-		const double t365 = t359 + t362;
-		const double t367 = RNEA_FMA(-0.002155695, t358 - t362, RNEA_FMA(0.23388954999999997, dw28y,
-			0.22488052*t361));
-		const double f28z = RNEA_FMA(4.515, a28z, RNEA_FMA(0.844305, t365, 0.004515*(t361 - dw28y)));
-		const double t369 = RNEA_FMA(0.422, t365, a28z);
-		const double n28y = t367 - RNEA_FMA(0.844305, a28x, 0.004515*a28z);
-		const double f28x = RNEA_FMA(4.515, a28x, -RNEA_FMA(0.844305, t363, 0.004515*(t358 + t359)));
-		const double t368 = RNEA_FMA(-0.422, t363, a28x);
-		const double t366 = dw28z + t364;
-		const double n28z = RNEA_FMA(0.004515, a28y, RNEA_FMA(0.002155695, t360,
-			RNEA_FMA(-0.0009954850000000008, t364,
-			0.010004515*dw28z)));
-		const double n28x = RNEA_FMA(0.844305, a28y, RNEA_FMA(-0.002155695, t366, RNEA_FMA(-0.22388503499999998,
-			t357,
-			0.234885035*dw28x)));
-		const double f28y = RNEA_FMA(4.515, a28y, RNEA_FMA(-0.844305, t360, 0.004515*t366));
-		const double a29y = RNEA_FMA(-0.422, t360, a28y);
+		const double a28z = RNEA_FMA(c28, t314, s28*t313);
+		const double a28x = RNEA_FMA(t314, -s28, c28*t313);
+		const double t315 = w28z*w28y;
+		const double t316 = w28z*w28z;
+		const double t317 = w28y*w28y;
+		const double t318 = t315 - dw28x;
+		const double t319 = w28z*w28x;
+		const double t320 = w28x*w28x;
+		const double t321 = dw28y + t319;
+		const double t322 = w28x*w28y;
+		const double t323 = t317 + t320;
+		const double t325 = RNEA_FMA(-0.002155695, t316 - t320, RNEA_FMA(0.68533249, dw28y, 0.67632346*t319));
+		const double f28z = RNEA_FMA(7.05, a28z, RNEA_FMA(1.914075, t323, 0.004515*(t319 - dw28y)));
+		const double t327 = RNEA_FMA(0.422, t323, a28z);
+		const double n28y = t325 - RNEA_FMA(1.914075, a28x, 0.004515*a28z);
+		const double f28x = RNEA_FMA(7.05, a28x, -RNEA_FMA(1.914075, t321, 0.004515*(t316 + t317)));
+		const double t326 = RNEA_FMA(-0.422, t321, a28x);
+		const double t324 = dw28z + t322;
+		const double n28z = RNEA_FMA(0.004515, a28y, RNEA_FMA(0.002155695, t318, RNEA_FMA(-0.001005652400000001,
+			t322,
+			0.0100146824*dw28z)));
+		const double n28x = RNEA_FMA(1.914075, a28y, RNEA_FMA(-0.002155695, t324, RNEA_FMA(-0.6753178075999999,
+			t315,
+			0.6863381424*dw28x)));
+		const double f28y = RNEA_FMA(7.05, a28y, RNEA_FMA(-1.914075, t318, 0.004515*t324));
+		const double a29y = RNEA_FMA(-0.422, t318, a28y);
 
 		/* ---- out to link 29 "r_talus" (fpass) ---- */
 		const double q29 = q[28*stride];
@@ -1598,17 +1510,18 @@ static RNEA_INLINE int atlas_rnea_segment5(const double *first_q, const double *
 		const double w29x = RNEA_FMA(s29, -w28z, w28x*c29);
 		const double dw29x = RNEA_FMA(w29z, -qd29, RNEA_FMA(s29, -dw28z, dw28x*c29));
 		const double dw29z = RNEA_FMA(qd29, w29x, RNEA_FMA(dw28z, c29, dw28x*s29));
-		const double a29z = RNEA_FMA(c29, t369, s29*t368);
-		const double a29x = RNEA_FMA(t369, -s29, c29*t368);
-		const double f29x = 0.125*a29x;
-		const double n29x = RNEA_FMA(1.01674e-05, dw29x, 4.5823499999999986e-06*(w29z*w29y));
-		const double n29y = RNEA_FMA(-2.842699999999999e-06, w29z*w29x, 8.42775e-06*dw29y);
-		const double n29z = RNEA_FMA(-1.7396499999999995e-06, w29x*w29y, 1.30101e-05*dw29z);
+		const double a29z = RNEA_FMA(c29, t327, s29*t326);
+		const double a29x = RNEA_FMA(t327, -s29, c29*t326);
+		const double t328 = w29z*w29x;
+		const double t329 = w29x*w29y;
+		const double n29y = RNEA_FMA(-0.06507, a29z, RNEA_FMA(-0.0097597327, t328, 0.00976531775*dw29y));
+		const double n29z = RNEA_FMA(0.06507, a29y, RNEA_FMA(0.0097597327, dw29z, 0.00976531775*t329));
 
 		/* ---- out to link 30 "r_foot" (fpass) ---- */
 		const double q30 = q[29*stride];
 		double s30, c30;
 		all_small &= rneagen_sincos_known(q30, known, sines + 52, &s30, &c30);
+		const double a30y = RNEA_FMA(a29y, c30, a29z*s30);
 		const double qd30 = qd[29*stride];
 		const double w30x = w29x + qd30;
 		const double qdd30 = qdd[29*stride];
@@ -1617,59 +1530,59 @@ static RNEA_INLINE int atlas_rnea_segment5(const double *first_q, const double *
 		const double w30z = RNEA_FMA(s30, -w29y, w29z*c30);
 		const double dw30y = RNEA_FMA(qd30, w30z, RNEA_FMA(dw29y, c30, dw29z*s30));
 		const double dw30z = RNEA_FMA(w30y, -qd30, RNEA_FMA(s30, -dw29y, dw29z*c30));
-		const double a30y = RNEA_FMA(a29y, c30, a29z*s30);
-		const double a30z = RNEA_FMA(s30, -a29y, a29z*c30);
-		const double t370 = w30y*w30z;
-		const double t371 = w30y*w30y;
-		const double t373 = w30y*w30x;
-		const double t375 = a30y + RNEA_FMA(-0.067, t370 - dw30x, 0.027*(dw30z + t373));
-		const double n30z = RNEA_FMA(0.06507, t375, RNEA_FMA(0.008, dw30z, 0.005*t373));
-		const double n30x = RNEA_FMA(0.16147000000000003, t375, RNEA_FMA(0.002, dw30x, 0.001*t370));
-		const double f30y = 2.41*t375;
-		tau[29*stride] = n30x;
-		const double n29x_2 = n29x + n30x;
-		const double t372 = w30z*w30x;
-		const double t376 = a30z + RNEA_FMA(0.067, RNEA_FMA(w30x, w30x, t371), 0.027*(t372 - dw30y));
-		const double t374 = a29x - RNEA_FMA(0.067, dw30y + t372, 0.027*RNEA_FMA(w30z, w30z, t371));
-		const double n30y = RNEA_FMA(-0.006, t372, 0.007*dw30y) - RNEA_FMA(0.16147000000000003, t374,
-			0.06507*t376);
-		const double f30z = 2.41*t376;
-		const double f29z = RNEA_FMA(0.125, a29z, RNEA_FMA(s30, f30y, c30*f30z));
-		const double f29y = RNEA_FMA(0.125, a29y, RNEA_FMA(f30z, -s30, c30*f30y));
+		const double t330 = w30y*w30z;
+		const double t331 = t330 - dw30x;
+		const double t332 = w30z*w30x;
+		const double t333 = w30x*w30x;
+		const double t334 = w30y*w30x;
+		const double f30z = 0.16147000000000003*RNEA_FMA(w30y, w30y, t333);
+		const double t336 = RNEA_FMA(0.00435969, RNEA_FMA(w30z, w30z, -t333), RNEA_FMA(0.009818490000000003,
+			dw30y,
+			0.012818490000000002*t332));
+		const double t338 = RNEA_FMA(0.16147000000000003, dw30y + t332, 0.06507*RNEA_FMA(w29y, w29y,
+			w29z*w29z));
+		const double n30y = RNEA_FMA(-0.16147000000000003, a29x, t336);
+		const double n30x = RNEA_FMA(0.16147000000000003, a30y, RNEA_FMA(0.00435969, dw30z + t334,
+			RNEA_FMA(-0.009818490000000003, t330, 0.012818490000000002*dw30x)));
+		const double t337 = RNEA_FMA(0.00435969, t331, 0.003*t334);
+		const double t335 = 0.16147000000000003*t331;
+		const double f29z = RNEA_FMA(0.06507, t328 - dw29y, RNEA_FMA(t335, -s30, c30*f30z));
+		const double f29y = RNEA_FMA(0.06507, dw29z + t329, -RNEA_FMA(c30, t335, s30*f30z));
 		const double f28y_2 = f28y + f29y;
-		const double f27y_2 = f27y + f28y_2;
-		const double f29x_2 = RNEA_FMA(2.41, t374, f29x);
-		const double f28z_2 = f28z + RNEA_FMA(-s29, f29x_2, c29*f29z);
-		const double t377 = RNEA_FMA(s29, f29z, c29*f29x_2);
-		const double f28x_2 = f28x + t377;
-		const double n29z_2 = n29z + RNEA_FMA(s30, n30y, c30*n30z);
-		const double n29y_2 = n29y + RNEA_FMA(n30z, -s30, c30*n30y);
+		const double f27y = RNEA_FMA(-1.7228400000000001, t308, f28y_2);
+		const double f28z_2 = f28z + RNEA_FMA(c29, f29z, s29*t338);
+		const double t339 = RNEA_FMA(t338, -c29, s29*f29z);
+		const double f28x_2 = f28x + t339;
+		const double n29z_2 = n29z + RNEA_FMA(t337, -c30, s30*n30y);
+		const double n29y_2 = n29y + RNEA_FMA(c30, n30y, s30*t337);
 		tau[28*stride] = n29y_2;
-		const double n28y_2 = n28y + RNEA_FMA(-0.422, t377, n29y_2);
+		const double n28y_2 = n28y + RNEA_FMA(-0.422, t339, n29y_2);
 		tau[27*stride] = n28y_2;
-		const double n28z_2 = n28z + RNEA_FMA(-s29, n29x_2, c29*n29z_2);
-		const double n28x_2 = n28x + RNEA_FMA(0.422, f29y, RNEA_FMA(s29, n29z_2, c29*n29x_2));
-		const double n27z = RNEA_FMA(0.02, dw27z, RNEA_FMA(-0.05, f28y_2, RNEA_FMA(-s28, n28x_2, c28*n28z_2)));
+		tau[29*stride] = n30x;
+		const double n29x = RNEA_FMA(-5.585050000000002e-06, w29z*w29y, n30x);
+		const double n28z_2 = n28z + RNEA_FMA(-s29, n29x, c29*n29z_2);
+		const double n28x_2 = n28x + RNEA_FMA(0.422, f29y, RNEA_FMA(s29, n29z_2, c29*n29x));
+		const double n27z_2 = n27z + RNEA_FMA(-0.05, f28y_2, RNEA_FMA(-s28, n28x_2, c28*n28z_2));
 		const double n27x_2 = n27x + RNEA_FMA(0.374, f28y_2, RNEA_FMA(s28, n28z_2, c28*n28x_2));
 
 		/* ---- back from link 28 "r_lleg" to link 27 (bpass): torque of "r_leg_kny" ---- */
-		const double t378 = RNEA_FMA(-s28, f28x_2, c28*f28z_2);
-		const double t379 = RNEA_FMA(s28, f28z_2, c28*f28x_2);
-		const double n27y_2 = n27y + (n28y_2 + RNEA_FMA(-0.374, t379, 0.05*t378));
-		const double f27z_2 = f27z + t378;
-		const double f27x = t379 - RNEA_FMA(8.204, t348, 1.7228400000000001*t353);
+		const double t340 = RNEA_FMA(-s28, f28x_2, c28*f28z_2);
+		const double t341 = RNEA_FMA(s28, f28z_2, c28*f28x_2);
+		const double n27y_2 = n27y + (n28y_2 + RNEA_FMA(-0.374, t341, 0.05*t340));
+		const double f27z = RNEA_FMA(1.7228400000000001, t312, t340);
+		const double f27x = RNEA_FMA(-1.7228400000000001, t310, t341);
 		tau[26*stride] = n27y_2;
 
 		/* ---- back from link 27 "r_uleg" to link 26 (bpass): torque of "r_leg_hpy" ---- */
-		const double t380 = RNEA_FMA(-s27, f27x, c27*f27z_2);
-		const double t381 = RNEA_FMA(s27, f27z_2, c27*f27x);
-		const double n26y_2 = n26y + (n27y_2 - RNEA_FMA(0.066, t381, 0.05*t380));
-		const double t383 = RNEA_FMA(s27, n27z, c27*n27x_2) + RNEA_FMA(-0.0225, t380, 0.066*f27y_2);
-		const double t382 = RNEA_FMA(-s27, n27x_2, c27*n27z);
-		const double n26z_2 = n26z + (t382 + RNEA_FMA(0.05, f27y_2, 0.0225*t381));
-		const double n25z = RNEA_FMA(0.0004905759537860812, qdd25, RNEA_FMA(s26, n26y_2, c26*n26z_2));
+		const double t342 = RNEA_FMA(-s27, f27x, c27*f27z);
+		const double t343 = RNEA_FMA(s27, f27z, c27*f27x);
+		const double n26y_2 = n26y + (n27y_2 - RNEA_FMA(0.066, t343, 0.05*t342));
+		const double t345 = RNEA_FMA(s27, n27z_2, c27*n27x_2) + RNEA_FMA(-0.0225, t342, 0.066*f27y);
+		const double t344 = RNEA_FMA(-s27, n27x_2, c27*n27z_2);
+		const double n26z_2 = n26z + (t344 + RNEA_FMA(0.05, f27y, 0.0225*t343));
+		const double n25z = RNEA_FMA(0.4784357856102883, qdd25, RNEA_FMA(s26, n26y_2, c26*n26z_2));
 		tau[24*stride] = n25z;
-		const double n26x_2 = n26x + t383;
+		const double n26x_2 = n26x + t345;
 		tau[25*stride] = n26x_2;
 
 		/* ---- back from link 25 "r_uglut" to the world (bpass): torque of "r_leg_hpz" ---- */
@@ -1685,6 +1598,7 @@ static RNEA_INLINE int atlas_rnea_beside_segment0(const double *first_q, const d
 	const double *sines)
 {
 	(void)first_tau;
+	(void)first_wide_across;
 	int all_small = 1;
 
 	RNEA_INDEPENDENT
@@ -1693,7 +1607,6 @@ static RNEA_INLINE int atlas_rnea_beside_segment0(const double *first_q, const d
 		const double *const qd = first_qd + l;
 		const double *const qdd = first_qdd + l;
 		double *const across = first_across + l;
-		rneagen_lanes *const wide_across = first_wide_across + l;
 
 		/* ---- out to link 1 "ltorso" (fpass) ---- */
 		/* w = R'w_p + z qd;  dw = R'dw_p + z qdd + R'w_p x z qd;  a = R'(a_p + U_p p);
@@ -1707,116 +1620,46 @@ static RNEA_INLINE int atlas_rnea_beside_segment0(const double *first_q, const d
 		across[step] = c2;
 		const double qd1 = qd[0];
 		const double w2z = qd1*c2;
+		across[2*step] = w2z;
 		const double t1 = qd1*s2;
+		across[3*step] = t1;
 		const double qd2 = qd[stride];
 		const double t2 = qd2*w2z;
 		const double t3 = qd2*t1;
 		const double qdd1 = qdd[0];
 		const double t4 = RNEA_FMA(qdd1, s2, t2);
+		across[4*step] = t4;
 		const double dw2z = RNEA_FMA(qdd1, c2, -t3);
-		const double a2z = 9.81*c2;
+		across[5*step] = dw2z;
 		const double t5 = w2z*w2z;
 		const double t6 = qd2*qd2;
 		const double t7 = t2 + t4;
 		const double t8 = w2z*t1;
 		const double t9 = t1*t1;
-		const double t16 = RNEA_FMA(-0.05, t6 + t9, a2z);
 		const double qdd2 = qdd[stride];
-		const double t10 = qdd2 - t8;
-		const double t11 = -RNEA_FMA(0.00014667393410483002, qdd2 + t8, RNEA_FMA(0.0013398352562209901, t4,
-			0.0006494617608214901*t2));
-		const double t12 = RNEA_FMA(0.00037360518546370006, t3 + dw2z, RNEA_FMA(-0.0007047539229190357, t8,
-			0.0012845430941234445*qdd2));
-		const double t13 = RNEA_FMA(0.00023895608229411601, t5 - t9, RNEA_FMA(-0.00014667393410483002, t2 - t4,
-			t12));
-		const double n2x = RNEA_FMA(-0.10287232465500001, c2, RNEA_FMA(0.00037360518546370006, t6 - t5,
-			RNEA_FMA(0.00023895608229411601, dw2z - t3, t11)));
-		across[2*step] = n2x;
-		const double t14 = RNEA_FMA(0.00037360518546370006, t10, RNEA_FMA(-0.00023895608229411601, t7,
-			RNEA_FMA(0.0006350813333019544, dw2z, 5.5292162097545597e-05*t3)));
-		const double t15 = 0.05*t7;
-		const double a3x = RNEA_FMA(-9.81, s2, 0.05*t10);
-		const double n2z = RNEA_FMA(-0.10287232465500001, s2, RNEA_FMA(-0.00014667393410483002, t9 - t6, t14));
-		across[3*step] = n2z;
-		const double n2y = RNEA_FMA(-0.23982823470600004, s2, 0.0639804799854*c2) + t13;
-		across[4*step] = n2y;
-
-		/* ---- out to link 3 "utorso" (fpass) ---- */
-		const double q3 = q[2*stride];
-		double s3, c3;
-		all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
-		across[5*step] = s3;
-		across[6*step] = c3;
-		const double qd3 = qd[2*stride];
-		const double w3x = qd3 - t1;
-		across[7*step] = w3x;
-		const double qdd3 = qdd[2*stride];
-		const double dw3x = qdd3 - t4;
-		across[8*step] = dw3x;
-		const double w3y = RNEA_FMA(qd2, c3, w2z*s3);
-		across[9*step] = w3y;
-		const double w3z = RNEA_FMA(s3, -qd2, w2z*c3);
-		across[10*step] = w3z;
-		const double dw3y = RNEA_FMA(qd3, w3z, RNEA_FMA(qdd2, c3, dw2z*s3));
-		across[11*step] = dw3y;
-		const double dw3z = RNEA_FMA(w3y, -qd3, RNEA_FMA(s3, -qdd2, dw2z*c3));
-		across[12*step] = dw3z;
-		const double a3y = RNEA_FMA(c3, t15, s3*t16);
-		const double a3z = RNEA_FMA(t15, -s3, c3*t16);
-		const double t17 = w3y*w3z;
-		const double t18 = w3z*w3z;
-		const double t19 = w3y*w3y;
-		const double t20 = t18 + t19;
-		const double t21 = t17 - dw3x;
-		const double t22 = dw3x + t17;
-		const double t23 = w3z*w3x;
-		const double t24 = w3x*w3x;
-		const double t25 = t18 + t24;
-		const double t26 = t23 - dw3y;
-		const double t27 = dw3y + t23;
-		const double t28 = w3y*w3x;
-		const double t29 = t19 + t24;
-		const double t30 = t28 - dw3z;
-		const double t33 = RNEA_FMA(-0.01992444846, t22, RNEA_FMA(0.014290218989999999, t30,
-			RNEA_FMA(10.46938366997,
-			dw3y, 9.21662383885*t23)));
-		const double n3y = RNEA_FMA(26.8049213, a3x, 5.2192398*a3z) + RNEA_FMA(1.73516570486, t18 - t24, t33);
-		across[13*step] = n3y;
-		const double t31 = dw3z + t28;
-		const double t34 = RNEA_FMA(-0.014290218989999999, t27, RNEA_FMA(-1.73516570486, t21,
-			RNEA_FMA(0.8997646391699999, dw3z, 0.3529951919500001*t28)));
-		const double n3z = RNEA_FMA(-0.01992444846, t24 - t19, t34) - RNEA_FMA(5.2192398, a3y, 0.1941407*a3x);
-		across[14*step] = n3z;
-		const double t32 = RNEA_FMA(1.73516570486, t31, RNEA_FMA(0.01992444846, t26, RNEA_FMA(-9.5696190308,
-			t17,
-			10.11638847802*dw3x)));
-		const double n3x = RNEA_FMA(-26.8049213, a3y, 0.1941407*a3z) + RNEA_FMA(-0.014290218989999999, t19
-			- t18, t32);
-		across[15*step] = n3x;
-		const double f3x = RNEA_FMA(84.60900000000001, a3x, RNEA_FMA(26.8049213, t27, RNEA_FMA(0.1941407, t30,
-			5.2192398*t20)));
-		across[16*step] = f3x;
-		const rneagen_lanes t42 = a3x + RNEA_LANES_FMA(RNEA_SPLAT(0.4776), RNEA_SPLAT(t27),
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.1406), RNEA_SPLAT(t20), RNEA_LANES(0.2256, -0.2256)*t30));
-		wide_across[0] = t42;
-		const double t193 = a3x + RNEA_FMA(-0.2546, t20, 0.6215*t27);
-		across[17*step] = t193;
-		const double f3y = RNEA_FMA(84.60900000000001, a3y, RNEA_FMA(26.8049213, t21, -RNEA_FMA(0.1941407, t25,
-			5.2192398*t31)));
-		across[18*step] = f3y;
-		const rneagen_lanes t43 = a3y + RNEA_LANES_FMA(RNEA_SPLAT(0.4776), RNEA_SPLAT(t21),
-			RNEA_LANES_FMA(RNEA_LANES(-0.2256, 0.2256), RNEA_SPLAT(t25), RNEA_SPLAT(0.1406*t31)));
-		wide_across[step] = t43;
-		const double a11y = a3y + RNEA_FMA(0.6215, t21, 0.2546*t31);
-		across[19*step] = a11y;
-		const double f3z = RNEA_FMA(84.60900000000001, a3z, RNEA_FMA(-26.8049213, t29, RNEA_FMA(-5.2192398, t26,
-			0.1941407*t22)));
-		across[20*step] = f3z;
-		const rneagen_lanes a4z_wide = a3z + RNEA_LANES_FMA(RNEA_SPLAT(-0.4776), RNEA_SPLAT(t29),
-			RNEA_LANES_FMA(RNEA_LANES(0.2256, -0.2256), RNEA_SPLAT(t22), RNEA_SPLAT(0.1406*t26)));
-		wide_across[2*step] = a4z_wide;
-		const double t194 = a3z + RNEA_FMA(-0.6215, t29, 0.2546*t26);
-		across[21*step] = t194;
+		const double t10 = qdd2 + t8;
+		const double t11 = qdd2 - t8;
+		const double t14 = RNEA_FMA(0.00037360518546370006, t3 + dw2z, RNEA_FMA(2.4970999133584804, qdd2,
+			1.9779777963414378*t8));
+		const double t15 = RNEA_FMA(0.11701435636229413, t5 - t9, RNEA_FMA(-0.00014667393410483002, t2 - t4,
+			t14));
+		const double n2y = RNEA_FMA(-50.97055787670601, s2, 22.975314014921402*c2) + t15;
+		across[6*step] = n2y;
+		const double t12 = dw2z - t3;
+		const double t16 = RNEA_FMA(0.00037360518546370006, t11, RNEA_FMA(-0.11701435636229413, t7,
+			RNEA_FMA(-2.4970999133584804, t3, 1.9779777963414378*dw2z)));
+		const double t17 = RNEA_FMA(0.05, t7, 0.1406*t12);
+		across[7*step] = t17;
+		const double t13 = RNEA_FMA(0.11701435636229413, t12, -RNEA_FMA(0.00014667393410483002, t10,
+			0.5191221170170426*t2));
+		const double t18 = RNEA_FMA(9.81, c2, -RNEA_FMA(0.05, t6 + t9, 0.1406*t10));
+		across[8*step] = t18;
+		const double n2z = RNEA_FMA(-0.00014667393410483002, t9 - t6, t16);
+		across[9*step] = n2z;
+		const double n2x = RNEA_FMA(0.00037360518546370006, t6 - t5, t13);
+		across[10*step] = n2x;
+		const double a3x = RNEA_FMA(-9.81, s2, RNEA_FMA(-0.1406, t5 + t6, 0.05*t11));
+		across[11*step] = a3x;
 	}
 	return all_small;
 }
@@ -1838,6 +1681,84 @@ static RNEA_INLINE int atlas_rnea_beside_segment1(const double *first_q, const d
 		double *const across = first_across + l;
 		rneagen_lanes *const wide_across = first_wide_across + l;
 
+		/* ---- out to link 3 "utorso" (fpass) ---- */
+		const double q3 = q[2*stride];
+		double s3, c3;
+		all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
+		across[12*step] = s3;
+		across[13*step] = c3;
+		const double qd3 = qd[2*stride];
+		const double t1 = across[3*step];
+		const double w3x = qd3 - t1;
+		across[14*step] = w3x;
+		const double qdd3 = qdd[2*stride];
+		const double t4 = across[4*step];
+		const double dw3x = qdd3 - t4;
+		across[15*step] = dw3x;
+		const double qd2 = qd[stride];
+		const double w2z = across[2*step];
+		const double w3y = RNEA_FMA(qd2, c3, w2z*s3);
+		across[16*step] = w3y;
+		const double w3z = RNEA_FMA(s3, -qd2, w2z*c3);
+		across[17*step] = w3z;
+		const double qdd2 = qdd[stride];
+		const double dw2z = across[5*step];
+		const double dw3y = RNEA_FMA(qd3, w3z, RNEA_FMA(qdd2, c3, dw2z*s3));
+		across[18*step] = dw3y;
+		const double dw3z = RNEA_FMA(w3y, -qd3, RNEA_FMA(s3, -qdd2, dw2z*c3));
+		across[19*step] = dw3z;
+		const double t17 = across[7*step];
+		const double t18 = across[8*step];
+		const double a3y = RNEA_FMA(c3, t17, s3*t18);
+		const double a3z = RNEA_FMA(t17, -s3, c3*t18);
+		across[20*step] = a3z;
+		const double t19 = w3y*w3z;
+		const double t20 = w3z*w3z;
+		across[21*step] = t20;
+		const double t21 = w3y*w3y;
+		across[22*step] = t21;
+		const double t22 = t19 - dw3x;
+		const double t23 = dw3x + t19;
+		const double t24 = w3z*w3x;
+		const double t25 = w3x*w3x;
+		const double t26 = t20 + t25;
+		const double t27 = t24 - dw3y;
+		across[23*step] = t27;
+		const double t28 = dw3y + t24;
+		across[24*step] = t28;
+		const double t29 = w3y*w3x;
+		const double t30 = t21 + t25;
+		across[25*step] = t30;
+		const double t31 = t29 - dw3z;
+		const double t34 = RNEA_FMA(0.007363645603079802, t23, RNEA_FMA(0.01433431472531495, t31,
+			RNEA_FMA(11.339832197418882, dw3y, 13.629484321119117*t24)));
+		const double a3x = across[11*step];
+		const double n3y = RNEA_FMA(33.431792326, a3x, RNEA_FMA(5.356031642676, t20 - t25, t34));
+		across[26*step] = n3y;
+		const double t32 = dw3z + t29;
+		const double t35 = -RNEA_FMA(0.01433431472531495, t28, RNEA_FMA(5.356031642676, t22,
+			2.289652123700234*t29));
+		const double n3z = RNEA_FMA(-0.1942116504993, a3x, RNEA_FMA(0.007363645603079802, t25 - t21, t35));
+		across[27*step] = n3z;
+		const double t33 = RNEA_FMA(5.356031642676, t32, RNEA_FMA(-0.007363645603079802, t27,
+			RNEA_FMA(-11.339832197418882, t19, 13.629484321119117*dw3x)));
+		const double a11y = a3y + RNEA_FMA(0.6215, t22, 0.11399999999999999*t32);
+		across[28*step] = a11y;
+		const double f3y = RNEA_FMA(-0.1942116504993, t26, 33.431792326*t22);
+		across[29*step] = f3y;
+		const rneagen_lanes t40 = RNEA_LANES_FMA(RNEA_LANES(-0.2256, 0.2256), RNEA_SPLAT(t26), RNEA_SPLAT(a3y));
+		const double n3x = RNEA_FMA(-33.431792326, a3y, 0.1942116504993*a3z) + RNEA_FMA(-0.01433431472531495,
+			t21 - t20,
+			t33);
+		across[30*step] = n3x;
+		const double f3x = RNEA_FMA(33.431792326, t28, 0.1942116504993*t31);
+		across[31*step] = f3x;
+		const rneagen_lanes t39 = RNEA_LANES_FMA(RNEA_LANES(0.2256, -0.2256), RNEA_SPLAT(t31), RNEA_SPLAT(a3x));
+		const double f3z = RNEA_FMA(-33.431792326, t30, 0.1942116504993*t23);
+		across[32*step] = f3z;
+		const rneagen_lanes a4z_wide = RNEA_LANES_FMA(RNEA_LANES(0.2256, -0.2256), RNEA_SPLAT(t23),
+			RNEA_SPLAT(a3z));
+
 		/* ---- out to link 4 "l_clav" (fpass) ---- */
 		const double q4 = q[3*stride];
 		double s4, c4;
@@ -1845,212 +1766,216 @@ static RNEA_INLINE int atlas_rnea_beside_segment1(const double *first_q, const d
 		const double q12 = q[11*stride];
 		double s12, c12;
 		all_small &= rneagen_sincos_known(q12, known, sines + 20, &s12, &c12);
-		const rneagen_lanes t36 = RNEA_LANES(c4, c12);
-		wide_across[3*step] = t36;
-		const rneagen_lanes t35 = RNEA_LANES(s4, s12);
-		wide_across[4*step] = t35;
+		const rneagen_lanes t37 = RNEA_LANES(c4, c12);
+		const rneagen_lanes t36 = RNEA_LANES(s4, s12);
+		const rneagen_lanes sa4_wide = RNEA_LANES_FMA(RNEA_LANES(-1.0, 1.0), t36,
+			RNEA_LANES(-2.0682310711021444e-13,
+			0.0)*t37);
+		wide_across[0] = sa4_wide;
+		const rneagen_lanes ca4_wide = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, -0.0), t36,
+			RNEA_LANES(-1.0,
+			1.0)*t37);
+		wide_across[step] = ca4_wide;
 		const double qd4 = qd[3*stride];
 		const double qd12 = qd[11*stride];
-		const rneagen_lanes t37 = RNEA_LANES(qd4, qd12);
-		const double dw3z = across[12*step];
+		const rneagen_lanes t38 = RNEA_LANES(qd4, qd12);
 		const double qdd4 = qdd[3*stride];
 		const double qdd12 = qdd[11*stride];
 		const rneagen_lanes dw4z_wide = dw3z + RNEA_LANES(qdd4, qdd12);
-		const double w3y = across[9*step];
-		const double w3x = across[7*step];
-		const rneagen_lanes t38 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), RNEA_SPLAT(w3y),
-			RNEA_SPLAT(-w3x));
-		const rneagen_lanes t39 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), RNEA_SPLAT(w3x),
-			RNEA_SPLAT(-w3y));
-		const double dw3y = across[11*step];
-		const double dw3x = across[8*step];
-		const rneagen_lanes t40 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), RNEA_SPLAT(dw3y),
-			RNEA_SPLAT(-dw3x));
-		const rneagen_lanes t41 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), RNEA_SPLAT(dw3x),
-			RNEA_SPLAT(-dw3y));
-		const rneagen_lanes t43 = wide_across[step];
-		const rneagen_lanes t42 = wide_across[0];
-		const rneagen_lanes t44 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t43, -t42);
-		const rneagen_lanes t45 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t42, -t43);
-		const rneagen_lanes w4x_wide = RNEA_LANES_FMA(t36, t38, t35*t39);
-		const rneagen_lanes w4y_wide = RNEA_LANES_FMA(t38, -t35, t36*t39);
-		const double w3z = across[10*step];
-		const rneagen_lanes w4z_wide = w3z + t37;
-		const rneagen_lanes dw4x_wide = RNEA_LANES_FMA(t37, w4y_wide, RNEA_LANES_FMA(t36, t40, t35*t41));
-		const rneagen_lanes dw4y_wide = RNEA_LANES_FMA(w4x_wide, -t37, RNEA_LANES_FMA(t40, -t35, t36*t41));
-		const rneagen_lanes a4x_wide = RNEA_LANES_FMA(t36, t44, t35*t45);
-		const rneagen_lanes a4y_wide = RNEA_LANES_FMA(t44, -t35, t36*t45);
-		const rneagen_lanes t46 = w4y_wide*w4z_wide;
-		const rneagen_lanes t47 = w4z_wide*w4z_wide;
-		const rneagen_lanes t48 = w4y_wide*w4y_wide;
-		const rneagen_lanes t49 = t46 - dw4x_wide;
-		const rneagen_lanes t50 = w4x_wide*w4z_wide;
-		const rneagen_lanes t51 = w4x_wide*w4x_wide;
-		const rneagen_lanes t52 = dw4y_wide + t50;
-		const rneagen_lanes t53 = w4x_wide*w4y_wide;
-		const rneagen_lanes t54 = t48 + t51;
-		const rneagen_lanes t61 = a4y_wide - RNEA_LANES_FMA(RNEA_SPLAT(0.245), t49, RNEA_LANES(-0.11, 0.11)*(t47
-			+ t51));
-		const rneagen_lanes n4x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.37514400000000003), a4y_wide,
-			RNEA_LANES_FMA(RNEA_LANES(0.004, -0.004), t48 - t47,
-				RNEA_LANES_FMA(RNEA_SPLAT(-0.03651209600000001),
-			t46, 0.042512096000000006*dw4x_wide)));
+		const rneagen_lanes w4x_wide = RNEA_LANES_FMA(RNEA_SPLAT(w3x), ca4_wide, w3y*sa4_wide);
+		const rneagen_lanes w4y_wide = RNEA_LANES_FMA(sa4_wide, RNEA_SPLAT(-w3x), w3y*ca4_wide);
+		const rneagen_lanes w4z_wide = w3z + t38;
+		const rneagen_lanes dw4x_wide = RNEA_LANES_FMA(t38, w4y_wide, RNEA_LANES_FMA(RNEA_SPLAT(dw3x), ca4_wide,
+			dw3y*sa4_wide));
+		const rneagen_lanes dw4y_wide = RNEA_LANES_FMA(w4x_wide, -t38, RNEA_LANES_FMA(sa4_wide,
+			RNEA_SPLAT(-dw3x),
+			dw3y*ca4_wide));
+		const rneagen_lanes a4x_wide = RNEA_LANES_FMA(ca4_wide, t39, sa4_wide*t40);
+		const rneagen_lanes a4y_wide = RNEA_LANES_FMA(t39, -sa4_wide, ca4_wide*t40);
+		const rneagen_lanes t41 = w4y_wide*w4z_wide;
+		const rneagen_lanes t42 = w4z_wide*w4z_wide;
+		const rneagen_lanes t43 = w4y_wide*w4y_wide;
+		const rneagen_lanes t44 = dw4x_wide + t41;
+		wide_across[2*step] = t44;
+		const rneagen_lanes t45 = w4x_wide*w4z_wide;
+		wide_across[3*step] = t45;
+		const rneagen_lanes t56 = RNEA_LANES(1.0, -1.0)*w4z_wide;
+		const rneagen_lanes t46 = w4x_wide*w4x_wide;
+		const rneagen_lanes t47 = t42 + t46;
+		wide_across[4*step] = t47;
+		const rneagen_lanes t59 = RNEA_LANES(1.0, -1.0)*(a4z_wide
+			- RNEA_LANES_FMA(RNEA_SPLAT(0.23260000000000003), t43
+			+ t46, 0.11*t44));
+		const rneagen_lanes n4x_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.42889), a4z_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.10375981400000002), t43 - t42, RNEA_LANES_FMA(RNEA_SPLAT(0.0433479),
+			dw4x_wide, 0.0570079*t41)));
 		wide_across[5*step] = n4x_wide;
-		const rneagen_lanes a4z_wide = wide_across[2*step];
-		const rneagen_lanes t62 = a4z_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.245), t54, RNEA_LANES(-0.11,
-			0.11)*(dw4x_wide
-			+ t46));
-		const rneagen_lanes f4z_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.466), a4z_wide, 0.37514400000000003*t54);
-		wide_across[6*step] = f4z_wide;
-		const rneagen_lanes f4y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.37514400000000003), t49, 4.466*a4y_wide);
-		wide_across[7*step] = f4y_wide;
-		const rneagen_lanes t55 = t53 - dw4z_wide;
-		const rneagen_lanes n4z_wide = RNEA_LANES_FMA(RNEA_LANES(0.004, -0.004), t52,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.002),
-			t53, 0.004*dw4z_wide));
-		wide_across[8*step] = n4z_wide;
-		const rneagen_lanes n4y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.37514400000000003), a4x_wide,
-			RNEA_LANES_FMA(RNEA_LANES(-0.004, 0.004), t55, RNEA_LANES_FMA(RNEA_SPLAT(0.040512096000000004),
-			dw4y_wide, 0.038512096*t50)));
-		wide_across[9*step] = n4y_wide;
-		const rneagen_lanes a5x_wide = a4x_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.245), t52, RNEA_LANES(-0.11,
-			0.11)*t55);
-		wide_across[10*step] = a5x_wide;
-		const rneagen_lanes f4x_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.37514400000000003), t52, 4.466*a4x_wide);
-		wide_across[11*step] = f4x_wide;
+		const rneagen_lanes t58 = a4y_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.23260000000000003), t41 - dw4x_wide,
+			0.11*t47);
+		const rneagen_lanes t48 = dw4y_wide + t45;
+		const rneagen_lanes t49 = w4x_wide*w4y_wide;
+		const rneagen_lanes t50 = t49 - dw4z_wide;
+		wide_across[6*step] = t50;
+		const rneagen_lanes n4z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.42889), a4x_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.10375981400000002), t48, RNEA_LANES_FMA(RNEA_SPLAT(-0.0433479), t49,
+			0.0570079*dw4z_wide)));
+		wide_across[7*step] = n4z_wide;
+		const rneagen_lanes t57 = RNEA_LANES(1.0, -1.0)*dw4z_wide;
+		const rneagen_lanes a5x_wide = RNEA_LANES(1.0, -1.0)*(a4x_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.11), t50,
+			0.23260000000000003*t48));
 
 		/* ---- out to link 5 "l_scap" (fpass) ---- */
 		const double q5 = q[4*stride];
-		double t56, c5;
-		all_small &= rneagen_sincos_known(q5, known, sines + 6, &t56, &c5);
+		double t51, c5;
+		all_small &= rneagen_sincos_known(q5, known, sines + 6, &t51, &c5);
 		const double q13 = q[12*stride];
-		double t57, c13;
-		all_small &= rneagen_sincos_known(q13, known, sines + 22, &t57, &c13);
-		const rneagen_lanes t59 = RNEA_LANES(c5, c13);
-		wide_across[12*step] = t59;
-		const rneagen_lanes t58 = RNEA_LANES(t56, t57);
-		wide_across[13*step] = t58;
+		double t52, c13;
+		all_small &= rneagen_sincos_known(q13, known, sines + 22, &t52, &c13);
+		const rneagen_lanes t54 = RNEA_LANES(c5, c13);
+		wide_across[8*step] = t54;
+		const rneagen_lanes t53 = RNEA_LANES(t51, t52);
+		wide_across[9*step] = t53;
 		const double qd5 = qd[4*stride];
 		const double qd13 = qd[12*stride];
-		const rneagen_lanes t60 = RNEA_LANES(qd5, qd13);
-		const rneagen_lanes w5x_wide = w4x_wide - t60;
+		const rneagen_lanes t55 = RNEA_LANES(qd5, qd13);
+		const rneagen_lanes w5x_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), w4x_wide, -t55);
+		wide_across[10*step] = w5x_wide;
 		const double qdd5 = qdd[4*stride];
 		const double qdd13 = qdd[12*stride];
-		const rneagen_lanes dw5x_wide = dw4x_wide - RNEA_LANES(qdd5, qdd13);
-		wide_across[14*step] = dw5x_wide;
-		const rneagen_lanes w5y_wide = RNEA_LANES_FMA(t58, -w4z_wide, w4y_wide*t59);
-		const rneagen_lanes w5z_wide = RNEA_LANES_FMA(w4y_wide, t58, w4z_wide*t59);
-		const rneagen_lanes dw5y_wide = RNEA_LANES_FMA(w5z_wide, -t60, RNEA_LANES_FMA(t58, -dw4z_wide,
-			dw4y_wide*t59));
-		const rneagen_lanes dw5z_wide = RNEA_LANES_FMA(t60, w5y_wide, RNEA_LANES_FMA(dw4y_wide, t58,
-			dw4z_wide*t59));
-		const rneagen_lanes a5y_wide = RNEA_LANES_FMA(t62, -t58, t59*t61);
-		wide_across[15*step] = a5y_wide;
-		const rneagen_lanes a5z_wide = RNEA_LANES_FMA(t58, t61, t59*t62);
-		wide_across[16*step] = a5z_wide;
-		const rneagen_lanes t63 = w5y_wide*w5z_wide;
-		const rneagen_lanes t64 = w5z_wide*w5x_wide;
-		const rneagen_lanes t65 = w5x_wide*w5x_wide;
-		const rneagen_lanes t66 = w5y_wide*w5x_wide;
-		const rneagen_lanes n5y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.00264), t64, 0.00583*dw5y_wide);
-		wide_across[17*step] = n5y_wide;
-		const rneagen_lanes t72 = a5x_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.016), dw5y_wide + t64,
-			RNEA_LANES(-0.187,
-			0.187)*(t66 - dw5z_wide));
-		const rneagen_lanes n5z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00583), dw5z_wide, 0.00264*t66);
-		wide_across[18*step] = n5z_wide;
+		const rneagen_lanes dw5x_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), dw4x_wide, -RNEA_LANES(qdd5,
+			qdd13));
+		wide_across[11*step] = dw5x_wide;
+		const rneagen_lanes w5y_wide = RNEA_LANES_FMA(t56, -t53, w4y_wide*t54);
+		wide_across[12*step] = w5y_wide;
+		const rneagen_lanes w5z_wide = RNEA_LANES_FMA(w4y_wide, t53, t54*t56);
+		const rneagen_lanes dw5y_wide = RNEA_LANES_FMA(w5z_wide, -t55, RNEA_LANES_FMA(t57, -t53,
+			dw4y_wide*t54));
+		const rneagen_lanes dw5z_wide = RNEA_LANES_FMA(t55, w5y_wide, RNEA_LANES_FMA(dw4y_wide, t53, t54*t57));
+		const rneagen_lanes a5y_wide = RNEA_LANES_FMA(t59, -t53, t54*t58);
+		const rneagen_lanes a5z_wide = RNEA_LANES_FMA(t53, t58, t54*t59);
+		const rneagen_lanes t69 = RNEA_LANES_FMA(RNEA_LANES(0.016, -0.016), RNEA_LANES_FMA(w5x_wide, w5x_wide,
+			w5y_wide*w5y_wide), a5z_wide);
+		const rneagen_lanes t68 = RNEA_LANES_FMA(RNEA_LANES(-0.016, 0.016), RNEA_LANES_FMA(w5y_wide, w5z_wide,
+			-dw5x_wide), a5y_wide);
+		const rneagen_lanes t60 = w5z_wide*w5x_wide;
+		wide_across[13*step] = t60;
+		const rneagen_lanes t70 = RNEA_LANES(1.0, -1.0)*RNEA_LANES_FMA(RNEA_LANES(-0.016, 0.016), dw5y_wide
+			+ t60,
+			a5x_wide);
 
 		/* ---- out to link 6 "l_uarm" (fpass) ---- */
 		const double q6 = q[5*stride];
-		double t67, c6;
-		all_small &= rneagen_sincos_known(q6, known, sines + 8, &t67, &c6);
+		double t61, c6;
+		all_small &= rneagen_sincos_known(q6, known, sines + 8, &t61, &c6);
 		const double q14 = q[13*stride];
-		double t68, c14;
-		all_small &= rneagen_sincos_known(q14, known, sines + 24, &t68, &c14);
-		const rneagen_lanes t70 = RNEA_LANES(c6, c14);
-		wide_across[19*step] = t70;
-		const rneagen_lanes t69 = RNEA_LANES(t67, t68);
-		wide_across[20*step] = t69;
+		double t62, c14;
+		all_small &= rneagen_sincos_known(q14, known, sines + 24, &t62, &c14);
+		const rneagen_lanes t64 = RNEA_LANES(c6, c14);
+		wide_across[14*step] = t64;
+		const rneagen_lanes t63 = RNEA_LANES(t61, t62);
+		wide_across[15*step] = t63;
 		const double qd6 = qd[5*stride];
 		const double qd14 = qd[13*stride];
-		const rneagen_lanes t71 = RNEA_LANES(qd6, qd14);
+		const rneagen_lanes t65 = RNEA_LANES(qd6, qd14);
 		const double qdd6 = qdd[5*stride];
 		const double qdd14 = qdd[13*stride];
-		const rneagen_lanes dw6y_wide = dw5y_wide - RNEA_LANES(qdd6, qdd14);
-		wide_across[21*step] = dw6y_wide;
-		const rneagen_lanes a6y_wide = a5y_wide - RNEA_LANES_FMA(RNEA_SPLAT(0.016), t63 - dw5x_wide,
-			RNEA_LANES(-0.187,
-			0.187)*RNEA_LANES_FMA(w5z_wide, w5z_wide, t65));
-		const rneagen_lanes t73 = a5z_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.016), RNEA_LANES_FMA(w5y_wide,
-			w5y_wide, t65),
-			RNEA_LANES(-0.187, 0.187)*(dw5x_wide + t63));
-		const rneagen_lanes w6y_wide = w5y_wide - t71;
-		const rneagen_lanes w6z_wide = RNEA_LANES_FMA(t69, -w5x_wide, w5z_wide*t70);
-		const rneagen_lanes w6x_wide = RNEA_LANES_FMA(w5z_wide, t69, w5x_wide*t70);
-		const rneagen_lanes dw6x_wide = RNEA_LANES_FMA(t71, w6z_wide, RNEA_LANES_FMA(dw5z_wide, t69,
-			dw5x_wide*t70));
-		const rneagen_lanes dw6z_wide = RNEA_LANES_FMA(w6x_wide, -t71, RNEA_LANES_FMA(t69, -dw5x_wide,
-			dw5z_wide*t70));
-		wide_across[22*step] = dw6z_wide;
-		const rneagen_lanes a6z_wide = RNEA_LANES_FMA(t72, -t69, t70*t73);
-		const rneagen_lanes a6x_wide = RNEA_LANES_FMA(t69, t73, t70*t72);
-		const rneagen_lanes t74 = w6z_wide*w6y_wide;
-		const rneagen_lanes t75 = dw6x_wide + t74;
-		const rneagen_lanes t76 = w6x_wide*w6x_wide;
-		const rneagen_lanes t77 = RNEA_LANES_FMA(w6z_wide, w6z_wide, t76);
-		const rneagen_lanes t86 = a6z_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.0092), RNEA_LANES_FMA(w6y_wide,
-			w6y_wide,
-			t76), RNEA_LANES(-0.119, 0.119)*t75);
-		wide_across[23*step] = t86;
-		const rneagen_lanes f6z_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.386), a6z_wide, RNEA_LANES(0.28509,
-			-0.28509)*t75);
-		wide_across[24*step] = f6z_wide;
-		const rneagen_lanes n6x_wide = RNEA_LANES_FMA(RNEA_LANES(0.28509, -0.28509), a6z_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.02509085), dw6x_wide, 0.02151085*t74));
-		wide_across[25*step] = n6x_wide;
-		const rneagen_lanes t85 = a6y_wide + RNEA_LANES_FMA(RNEA_LANES(0.119, -0.119), t77, 0.0092*(t74
-			- dw6x_wide));
-		wide_across[26*step] = t85;
-		const rneagen_lanes f6y_wide = RNEA_LANES_FMA(RNEA_LANES(-0.28509, 0.28509), t77, 4.386*a6y_wide);
-		wide_across[27*step] = f6y_wide;
-		const rneagen_lanes t78 = w6x_wide*w6y_wide;
-		const rneagen_lanes t79 = t78 - dw6z_wide;
-		const rneagen_lanes n6z_wide = RNEA_LANES_FMA(RNEA_LANES(-0.28509, 0.28509), a6x_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.02151085), t78, 0.02509085*dw6z_wide));
-		wide_across[28*step] = n6z_wide;
-		const rneagen_lanes f6x_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.386), a6x_wide, RNEA_LANES(0.28509,
-			-0.28509)*t79);
-		wide_across[29*step] = f6x_wide;
-		const rneagen_lanes a7x_wide = a6x_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.0092), RNEA_LANES_FMA(w6z_wide,
-			w6x_wide,
-			dw6y_wide), RNEA_LANES(-0.119, 0.119)*t79);
-		wide_across[30*step] = a7x_wide;
+		const rneagen_lanes dw6y_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), dw5y_wide, -RNEA_LANES(qdd6,
+			qdd14));
+		wide_across[16*step] = dw6y_wide;
+		const rneagen_lanes t66 = RNEA_LANES(1.0, -1.0)*w5x_wide;
+		const rneagen_lanes t67 = RNEA_LANES(1.0, -1.0)*dw5x_wide;
+		const rneagen_lanes w6z_wide = RNEA_LANES_FMA(t66, -t63, w5z_wide*t64);
+		const rneagen_lanes w6x_wide = RNEA_LANES_FMA(w5z_wide, t63, t64*t66);
+		const rneagen_lanes w6y_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), w5y_wide, -t65);
+		const rneagen_lanes dw6x_wide = RNEA_LANES_FMA(t65, w6z_wide, RNEA_LANES_FMA(dw5z_wide, t63, t64*t67));
+		const rneagen_lanes dw6z_wide = RNEA_LANES_FMA(w6x_wide, -t65, RNEA_LANES_FMA(t67, -t63,
+			dw5z_wide*t64));
+		const rneagen_lanes a6z_wide = RNEA_LANES_FMA(t70, -t63, t64*t69);
+		const rneagen_lanes a6x_wide = RNEA_LANES_FMA(t63, t69, t64*t70);
+		const rneagen_lanes t71 = w6z_wide*w6y_wide;
+		const rneagen_lanes t72 = dw6x_wide + t71;
+		const rneagen_lanes t73 = w6x_wide*w6x_wide;
+		const rneagen_lanes t74 = RNEA_LANES_FMA(w6z_wide, w6z_wide, t73);
+		const rneagen_lanes t85 = a6z_wide + RNEA_LANES_FMA(RNEA_LANES(-0.0092, 0.0092),
+			RNEA_LANES_FMA(w6y_wide,
+			w6y_wide, t73), RNEA_LANES(-0.306, 0.306)*t72);
+		const rneagen_lanes f6z_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.386), a6z_wide, RNEA_LANES(-0.535092,
+			0.535092)*t72);
+		wide_across[17*step] = f6z_wide;
+		const rneagen_lanes n6x_wide = RNEA_LANES_FMA(RNEA_LANES(-0.535092, 0.535092), a6z_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.071841224), dw6x_wide, 0.068261224*t71));
+		wide_across[18*step] = n6x_wide;
+		const rneagen_lanes t86 = RNEA_LANES(1.0, -1.0)*RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), t68,
+			RNEA_LANES_FMA(RNEA_LANES(0.306, -0.306), t74, RNEA_LANES(0.0092, -0.0092)*(t71 - dw6x_wide)));
+		const rneagen_lanes f6y_wide = RNEA_LANES_FMA(RNEA_LANES(0.535092, -0.535092), t74, RNEA_LANES(4.386,
+			-4.386)*t68);
+		wide_across[19*step] = f6y_wide;
+		const rneagen_lanes t75 = w6x_wide*w6y_wide;
+		const rneagen_lanes t82 = RNEA_LANES(1.0, -1.0)*w6y_wide;
+		const rneagen_lanes t76 = t75 - dw6z_wide;
+		const rneagen_lanes n6z_wide = RNEA_LANES_FMA(RNEA_LANES(0.535092, -0.535092), a6x_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.068261224), t75, 0.071841224*dw6z_wide));
+		wide_across[20*step] = n6z_wide;
+		const rneagen_lanes f6x_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.386), a6x_wide, RNEA_LANES(-0.535092,
+			0.535092)*t76);
+		wide_across[21*step] = f6x_wide;
+		const rneagen_lanes t84 = a6x_wide + RNEA_LANES_FMA(RNEA_LANES(0.0092, -0.0092),
+			RNEA_LANES_FMA(w6z_wide,
+			w6x_wide, dw6y_wide), RNEA_LANES(-0.306, 0.306)*t76);
+		wide_across[22*step] = t84;
 
 		/* ---- out to link 7 "l_larm" (fpass) ---- */
 		const double q7 = q[6*stride];
-		double t80, c7;
-		all_small &= rneagen_sincos_known(q7, known, sines + 10, &t80, &c7);
+		double t77, c7;
+		all_small &= rneagen_sincos_known(q7, known, sines + 10, &t77, &c7);
 		const double q15 = q[14*stride];
-		double t81, c15;
-		all_small &= rneagen_sincos_known(q15, known, sines + 26, &t81, &c15);
-		const rneagen_lanes t83 = RNEA_LANES(c7, c15);
-		wide_across[31*step] = t83;
-		const rneagen_lanes t82 = RNEA_LANES(t80, t81);
-		wide_across[32*step] = t82;
+		double t78, c15;
+		all_small &= rneagen_sincos_known(q15, known, sines + 26, &t78, &c15);
+		const rneagen_lanes t80 = RNEA_LANES(c7, c15);
+		wide_across[23*step] = t80;
+		const rneagen_lanes t79 = RNEA_LANES(t77, t78);
+		wide_across[24*step] = t79;
 		const double qd7 = qd[6*stride];
 		const double qd15 = qd[14*stride];
-		const rneagen_lanes t84 = RNEA_LANES(qd7, qd15);
-		wide_across[33*step] = t84;
-		const rneagen_lanes w7x_wide = w6x_wide - t84;
-		wide_across[34*step] = w7x_wide;
+		const rneagen_lanes t81 = RNEA_LANES(qd7, qd15);
+		const rneagen_lanes w7x_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), w6x_wide, -t81);
+		wide_across[25*step] = w7x_wide;
 		const double qdd7 = qdd[6*stride];
 		const double qdd15 = qdd[14*stride];
-		const rneagen_lanes dw7x_wide = dw6x_wide - RNEA_LANES(qdd7, qdd15);
-		wide_across[35*step] = dw7x_wide;
-		const rneagen_lanes w7y_wide = RNEA_LANES_FMA(t82, -w6z_wide, w6y_wide*t83);
-		wide_across[36*step] = w7y_wide;
-		const rneagen_lanes w7z_wide = RNEA_LANES_FMA(w6y_wide, t82, w6z_wide*t83);
-		wide_across[37*step] = w7z_wide;
+		const rneagen_lanes dw7x_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), dw6x_wide, -RNEA_LANES(qdd7,
+			qdd15));
+		wide_across[26*step] = dw7x_wide;
+		const rneagen_lanes t83 = RNEA_LANES(1.0, -1.0)*dw6y_wide;
+		const rneagen_lanes a7x_wide = RNEA_LANES(1.0, -1.0)*t84;
+		const rneagen_lanes w7y_wide = RNEA_LANES_FMA(t79, -w6z_wide, t80*t82);
+		wide_across[27*step] = w7y_wide;
+		const rneagen_lanes w7z_wide = RNEA_LANES_FMA(t79, t82, w6z_wide*t80);
+		wide_across[28*step] = w7z_wide;
+		const rneagen_lanes dw7y_wide = RNEA_LANES_FMA(w7z_wide, -t81, RNEA_LANES_FMA(t79, -dw6z_wide,
+			t80*t83));
+		wide_across[29*step] = dw7y_wide;
+		const rneagen_lanes dw7z_wide = RNEA_LANES_FMA(t81, w7y_wide, RNEA_LANES_FMA(t79, t83, dw6z_wide*t80));
+		wide_across[30*step] = dw7z_wide;
+		const rneagen_lanes a7y_wide = RNEA_LANES_FMA(t85, -t79, t80*t86);
+		const rneagen_lanes a7z_wide = RNEA_LANES_FMA(t79, t86, t80*t85);
+		wide_across[31*step] = a7z_wide;
+		const rneagen_lanes t87 = w7z_wide*w7x_wide;
+		const rneagen_lanes t97 = RNEA_LANES_FMA(RNEA_LANES(-0.00921, 0.00921), dw7y_wide + t87, a7x_wide);
+		wide_across[32*step] = t97;
+		const rneagen_lanes n7y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.0018100000000000004), t87,
+			0.00446*dw7y_wide);
+		wide_across[33*step] = n7y_wide;
+		const rneagen_lanes f7y_wide = 3.248*a7y_wide;
+		wide_across[34*step] = f7y_wide;
+		const rneagen_lanes t98 = RNEA_LANES_FMA(RNEA_LANES(-0.00921, 0.00921), RNEA_LANES_FMA(w7y_wide,
+			w7z_wide,
+			-dw7x_wide), a7y_wide);
+		wide_across[35*step] = t98;
+		const rneagen_lanes n7z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00446), dw7z_wide,
+			0.0018100000000000004*(w7y_wide*w7x_wide));
+		wide_across[36*step] = n7z_wide;
+
+		/* ---- out to link 8 "l_ufarm" (fpass) ---- */
 	}
 	return all_small;
 }
@@ -2071,126 +1996,115 @@ static RNEA_INLINE int atlas_rnea_beside_segment2(const double *first_q, const d
 		const double *const qdd = first_qdd + l;
 		double *const tau = first_tau + l;
 		rneagen_lanes *const wide_across = first_wide_across + l;
-		const rneagen_lanes w7z_wide = wide_across[37*step];
-		const rneagen_lanes t84 = wide_across[33*step];
-		const rneagen_lanes t82 = wide_across[32*step];
-		const rneagen_lanes dw6z_wide = wide_across[22*step];
-		const rneagen_lanes dw6y_wide = wide_across[21*step];
-		const rneagen_lanes t83 = wide_across[31*step];
-		const rneagen_lanes dw7y_wide = RNEA_LANES_FMA(w7z_wide, -t84, RNEA_LANES_FMA(t82, -dw6z_wide,
-			dw6y_wide*t83));
-		const rneagen_lanes w7y_wide = wide_across[36*step];
-		const rneagen_lanes dw7z_wide = RNEA_LANES_FMA(t84, w7y_wide, RNEA_LANES_FMA(dw6y_wide, t82,
-			dw6z_wide*t83));
-		const rneagen_lanes t86 = wide_across[23*step];
-		const rneagen_lanes t85 = wide_across[26*step];
-		const rneagen_lanes a7y_wide = RNEA_LANES_FMA(t86, -t82, t83*t85);
-		const rneagen_lanes a7z_wide = RNEA_LANES_FMA(t82, t85, t83*t86);
-		wide_across[0] = a7z_wide;
-		const rneagen_lanes t87 = w7y_wide*w7z_wide;
-		const rneagen_lanes w7x_wide = wide_across[34*step];
-		const rneagen_lanes t88 = w7z_wide*w7x_wide;
-		const rneagen_lanes t89 = w7x_wide*w7x_wide;
-		const rneagen_lanes t90 = w7y_wide*w7x_wide;
-		const rneagen_lanes n7y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.0018100000000000004), t88,
-			0.00446*dw7y_wide);
-		wide_across[step] = n7y_wide;
-		const rneagen_lanes a7x_wide = wide_across[30*step];
-		const rneagen_lanes t100 = a7x_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.00921), dw7y_wide + t88,
-			RNEA_LANES(-0.29955,
-			0.29955)*(t90 - dw7z_wide));
-		const rneagen_lanes n7z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00446), dw7z_wide,
-			0.0018100000000000004*t90);
-		wide_across[2*step] = n7z_wide;
-
-		/* ---- out to link 8 "l_ufarm" (fpass) ---- */
 		const double q8 = q[7*stride];
-		double t91, c8;
-		all_small &= rneagen_sincos_known(q8, known, sines + 12, &t91, &c8);
+		double t88, c8;
+		all_small &= rneagen_sincos_known(q8, known, sines + 12, &t88, &c8);
 		const double q16 = q[15*stride];
-		double t92, c16;
-		all_small &= rneagen_sincos_known(q16, known, sines + 28, &t92, &c16);
-		const rneagen_lanes t94 = RNEA_LANES(c8, c16);
-		const rneagen_lanes t93 = RNEA_LANES(t91, t92);
+		double t89, c16;
+		all_small &= rneagen_sincos_known(q16, known, sines + 28, &t89, &c16);
+		const rneagen_lanes t91 = RNEA_LANES(c8, c16);
+		const rneagen_lanes t90 = RNEA_LANES(t88, t89);
+		const rneagen_lanes sa8_wide = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, -1.0), t90,
+			RNEA_LANES(1.0,
+			0.0)*t91);
+		const rneagen_lanes ca8_wide = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 1.0), t91,
+			RNEA_LANES(1.0,
+			0.0)*t90);
 		const double qd8 = qd[7*stride];
 		const double qd16 = qd[15*stride];
-		const rneagen_lanes t95 = RNEA_LANES(qd8, qd16);
+		const rneagen_lanes t92 = RNEA_LANES(qd8, qd16);
+		const rneagen_lanes dw7y_wide = wide_across[29*step];
 		const double qdd8 = qdd[7*stride];
 		const double qdd16 = qdd[15*stride];
-		const rneagen_lanes dw8y_wide = dw7y_wide - RNEA_LANES(qdd8, qdd16);
-		const rneagen_lanes t96 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), w7z_wide, -w7x_wide);
-		const rneagen_lanes t97 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), w7x_wide, -w7z_wide);
-		const rneagen_lanes dw7x_wide = wide_across[35*step];
-		const rneagen_lanes a8y_wide = a7y_wide - RNEA_LANES_FMA(RNEA_SPLAT(0.00921), t87 - dw7x_wide,
-			RNEA_LANES(-0.29955, 0.29955)*RNEA_LANES_FMA(w7z_wide, w7z_wide, t89));
-		const rneagen_lanes t101 = a7z_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.00921), RNEA_LANES_FMA(w7y_wide,
-			w7y_wide,
-			t89), RNEA_LANES(-0.29955, 0.29955)*(dw7x_wide + t87));
-		const rneagen_lanes w8y_wide = w7y_wide - t95;
-		const rneagen_lanes t98 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), dw7z_wide,
-			-dw7x_wide);
-		const rneagen_lanes t99 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), dw7x_wide,
-			-dw7z_wide);
-		const rneagen_lanes t102 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t101, -t100);
-		const rneagen_lanes t103 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t100, -t101);
-		const rneagen_lanes w8z_wide = RNEA_LANES_FMA(t96, -t93, t94*t97);
-		const rneagen_lanes w8x_wide = RNEA_LANES_FMA(t93, t97, t94*t96);
-		const rneagen_lanes dw8x_wide = RNEA_LANES_FMA(t95, w8z_wide, RNEA_LANES_FMA(t93, t99, t94*t98));
-		const rneagen_lanes dw8z_wide = RNEA_LANES_FMA(w8x_wide, -t95, RNEA_LANES_FMA(t98, -t93, t94*t99));
-		const rneagen_lanes a8z_wide = RNEA_LANES_FMA(t102, -t93, t94*t103);
-		const rneagen_lanes a8x_wide = RNEA_LANES_FMA(t93, t103, t94*t102);
-		const rneagen_lanes t104 = w8z_wide*w8y_wide;
-		const rneagen_lanes t105 = w8z_wide*w8z_wide;
-		const rneagen_lanes t106 = w8y_wide*w8y_wide;
-		const rneagen_lanes t107 = t104 - dw8x_wide;
-		const rneagen_lanes t108 = dw8x_wide + t104;
-		const rneagen_lanes t109 = w8z_wide*w8x_wide;
-		const rneagen_lanes t123 = RNEA_LANES(1.0, -1.0)*w8z_wide;
-		const rneagen_lanes t110 = w8x_wide*w8x_wide;
-		const rneagen_lanes t111 = t109 - dw8y_wide;
-		const rneagen_lanes t112 = dw8y_wide + t109;
-		const rneagen_lanes t113 = w8x_wide*w8y_wide;
-		const rneagen_lanes t122 = RNEA_LANES(1.0, -1.0)*w8y_wide;
-		const rneagen_lanes t114 = t113 - dw8z_wide;
-		const rneagen_lanes t117 = RNEA_LANES_FMA(RNEA_LANES(-3.08586312e-05, 3.08586312e-05), t108,
-			RNEA_LANES_FMA(RNEA_SPLAT(7.611795696e-05), t114, RNEA_LANES_FMA(RNEA_SPLAT(0.00285739528012),
-			dw8y_wide, 0.000783283689119999*t109)));
-		const rneagen_lanes t124 = RNEA_LANES(1.0, -1.0)*dw8y_wide;
-		const rneagen_lanes f8x_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.4798), a8x_wide,
-			RNEA_LANES_FMA(RNEA_LANES(0.000917526, -0.000917526), t112,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.00037196999999999995), t105 + t106, RNEA_LANES(0.20572420800000002,
-			-0.20572420800000002)*t114)));
-		const rneagen_lanes t118 = RNEA_LANES_FMA(RNEA_SPLAT(-7.611795696e-05), t112,
-			RNEA_LANES_FMA(RNEA_LANES(1.3762889999999998e-07, -1.3762889999999998e-07), t107,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.02694082450018), t113, 0.029014936091180003*dw8z_wide)));
-		const rneagen_lanes t115 = dw8z_wide + t113;
-		const rneagen_lanes t125 = RNEA_LANES(1.0, -1.0)*dw8z_wide;
-		const rneagen_lanes t116 = RNEA_LANES_FMA(RNEA_LANES(-1.3762889999999998e-07, 1.3762889999999998e-07),
-			t115,
-			RNEA_LANES_FMA(RNEA_LANES(3.08586312e-05, -3.08586312e-05), t111,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.029798219780300002), dw8x_wide, 0.026157540811060004*t104)));
-		const rneagen_lanes f8z_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.4798), a8z_wide,
-			RNEA_LANES_FMA(RNEA_LANES(-0.000917526, 0.000917526), t106 + t110,
-			RNEA_LANES_FMA(RNEA_LANES(0.20572420800000002, -0.20572420800000002), t108,
-			0.00037196999999999995*t111)));
-		const rneagen_lanes f8y_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.4798), a8y_wide,
-			RNEA_LANES_FMA(RNEA_LANES(0.000917526, -0.000917526), t107,
-			RNEA_LANES_FMA(RNEA_LANES(-0.20572420800000002, 0.20572420800000002), t105 + t110,
-			0.00037196999999999995*t115)));
-		const rneagen_lanes n8x_wide = RNEA_LANES_FMA(RNEA_LANES(-0.000917526, 0.000917526), a8y_wide,
-			RNEA_LANES(0.20572420800000002, -0.20572420800000002)*a8z_wide)
-			+ RNEA_LANES_FMA(RNEA_SPLAT(-7.611795696e-05), t106 - t105, t116);
-		const rneagen_lanes n8y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.00037196999999999995), a8z_wide,
-			RNEA_LANES(0.000917526, -0.000917526)*a8x_wide)
-				+ RNEA_LANES_FMA(RNEA_LANES(-1.3762889999999998e-07,
-			1.3762889999999998e-07), t105 - t110, t117);
-		const rneagen_lanes n8z_wide = RNEA_LANES_FMA(RNEA_LANES(-0.20572420800000002, 0.20572420800000002),
+		const rneagen_lanes dw8y_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), dw7y_wide, -RNEA_LANES(qdd8,
+			qdd16));
+		const rneagen_lanes w7z_wide = wide_across[28*step];
+		const rneagen_lanes w7x_wide = wide_across[25*step];
+		const rneagen_lanes t93 = RNEA_LANES_FMA(RNEA_LANES(-1.0, 0.0), w7z_wide, RNEA_LANES(0.0,
+			-1.0)*w7x_wide);
+		const rneagen_lanes t94 = RNEA_LANES_FMA(RNEA_LANES(0.0, 1.0), w7z_wide, RNEA_LANES(1.0, 0.0)*w7x_wide);
+		const rneagen_lanes w7y_wide = wide_across[27*step];
+		const rneagen_lanes a7z_wide = wide_across[31*step];
+		const rneagen_lanes t99 = RNEA_LANES_FMA(RNEA_LANES(0.00921, -0.00921), RNEA_LANES_FMA(w7x_wide,
+			w7x_wide,
+			w7y_wide*w7y_wide), a7z_wide);
+		const rneagen_lanes w8y_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), w7y_wide, -t92);
+		const rneagen_lanes dw7z_wide = wide_across[30*step];
+		const rneagen_lanes dw7x_wide = wide_across[26*step];
+		const rneagen_lanes t95 = RNEA_LANES_FMA(RNEA_LANES(-1.0, 0.0), dw7z_wide, RNEA_LANES(0.0,
+			-1.0)*dw7x_wide);
+		const rneagen_lanes t96 = RNEA_LANES_FMA(RNEA_LANES(0.0, 1.0), dw7z_wide, RNEA_LANES(1.0,
+			0.0)*dw7x_wide);
+		const rneagen_lanes t97 = wide_across[32*step];
+		const rneagen_lanes t100 = RNEA_LANES_FMA(RNEA_LANES(-1.0, 0.0), t99, RNEA_LANES(0.0, -1.0)*t97);
+		const rneagen_lanes t101 = RNEA_LANES_FMA(RNEA_LANES(0.0, 1.0), t99, RNEA_LANES(1.0, 0.0)*t97);
+		const rneagen_lanes t98 = wide_across[35*step];
+		const rneagen_lanes a8y_wide = RNEA_LANES(1.0, -1.0)*t98;
+		const rneagen_lanes w8z_wide = RNEA_LANES_FMA(ca8_wide, t94, sa8_wide*t93);
+		const rneagen_lanes w8x_wide = RNEA_LANES_FMA(t94, -sa8_wide, ca8_wide*t93);
+		const rneagen_lanes dw8x_wide = RNEA_LANES_FMA(t92, w8z_wide, RNEA_LANES_FMA(t96, -sa8_wide,
+			ca8_wide*t95));
+		const rneagen_lanes dw8z_wide = RNEA_LANES_FMA(w8x_wide, -t92, RNEA_LANES_FMA(ca8_wide, t96,
+			sa8_wide*t95));
+		const rneagen_lanes a8z_wide = RNEA_LANES_FMA(ca8_wide, t101, sa8_wide*t100);
+		const rneagen_lanes a8x_wide = RNEA_LANES_FMA(t101, -sa8_wide, ca8_wide*t100);
+		const rneagen_lanes t102 = w8z_wide*w8y_wide;
+		const rneagen_lanes t103 = w8z_wide*w8z_wide;
+		const rneagen_lanes t104 = w8y_wide*w8y_wide;
+		const rneagen_lanes t105 = t102 - dw8x_wide;
+		const rneagen_lanes t106 = dw8x_wide + t102;
+		const rneagen_lanes t107 = w8z_wide*w8x_wide;
+		const rneagen_lanes t122 = RNEA_LANES(1.0, -1.0)*w8z_wide;
+		const rneagen_lanes t108 = w8x_wide*w8x_wide;
+		const rneagen_lanes t109 = t103 + t108;
+		const rneagen_lanes t125 = RNEA_LANES(1.0, -1.0)*RNEA_LANES_FMA(RNEA_LANES(0.29955, -0.29955), t109,
+			a8y_wide);
+		const rneagen_lanes t110 = t107 - dw8y_wide;
+		const rneagen_lanes t111 = dw8y_wide + t107;
+		const rneagen_lanes t112 = w8x_wide*w8y_wide;
+		const rneagen_lanes t121 = RNEA_LANES(1.0, -1.0)*w8y_wide;
+		const rneagen_lanes t113 = t112 - dw8z_wide;
+		const rneagen_lanes t116 = RNEA_LANES_FMA(RNEA_LANES(0.00011356341029999999, -0.00011356341029999999),
+			t106,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.00019872695633999998), t113,
+				RNEA_LANES_FMA(RNEA_LANES(0.00991830885275,
+			0.009918447547848461), dw8y_wide, RNEA_LANES(-0.00627762988351, -0.006277768578608462)*t107)));
+		const rneagen_lanes t123 = RNEA_LANES(1.0, -1.0)*dw8y_wide;
+		const rneagen_lanes n8y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.00048213), a8z_wide, RNEA_LANES(0.000917526,
+			-0.000917526)*a8x_wide) + RNEA_LANES_FMA(RNEA_LANES(-1.3762889999999998e-07,
+				1.3762889999999998e-07),
+			t103 - t108, t116);
+		const rneagen_lanes t114 = dw8z_wide + t112;
+		const rneagen_lanes t117 = RNEA_LANES_FMA(RNEA_SPLAT(0.00019872695633999998), t111,
+			RNEA_LANES_FMA(RNEA_LANES(1.3762889999999998e-07, -1.3762889999999998e-07), t105,
+			RNEA_LANES_FMA(RNEA_LANES(0.25485108952026, 0.25485122821535844), dw8z_wide,
+			RNEA_LANES(-0.23865515078399996, -0.2386550120889015)*t112)));
+		const rneagen_lanes t124 = RNEA_LANES(1.0, -1.0)*dw8z_wide;
+		const rneagen_lanes f8y_wide = RNEA_LANES_FMA(RNEA_LANES(3.8117, -3.8117), t98,
+			RNEA_LANES_FMA(RNEA_LANES(0.000917526, -0.000917526), t105,
+			RNEA_LANES_FMA(RNEA_LANES(0.9360705269999999, -0.9360705269999999), t109, 0.00048213*t114)));
+		const rneagen_lanes t115 = RNEA_LANES_FMA(RNEA_LANES(-1.3762889999999998e-07, 1.3762889999999998e-07),
+			t114,
+			RNEA_LANES_FMA(RNEA_LANES(-0.00011356341029999999, 0.00011356341029999999), t110,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.24857345963674995), dw8x_wide, RNEA_LANES(0.24493278066750995,
+			0.24493278066750995)*t102)));
+		const rneagen_lanes f8z_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.8117), a8z_wide,
+			RNEA_LANES_FMA(RNEA_LANES(-0.000917526, 0.000917526), t104 + t108,
+			RNEA_LANES_FMA(RNEA_LANES(-0.9360705269999999, 0.9360705269999999), t106, 0.00048213*t110)));
+		const rneagen_lanes t126 = RNEA_LANES(1.0, -1.0)*RNEA_LANES_FMA(RNEA_LANES(-0.29955, 0.29955), t106,
+			a8z_wide);
+		const rneagen_lanes n8x_wide = RNEA_LANES_FMA(RNEA_LANES(-0.000917526, -0.000917526), t98,
+			RNEA_LANES(-0.9360705269999999, 0.9360705269999999)*a8z_wide)
+			+ RNEA_LANES_FMA(RNEA_SPLAT(0.00019872695633999998), t104 - t103, t115);
+		const rneagen_lanes f8x_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.8117), a8x_wide,
+			RNEA_LANES_FMA(RNEA_LANES(0.000917526, -0.000917526), t111,
+				RNEA_LANES_FMA(RNEA_SPLAT(-0.00048213), t103
+			+ t104, RNEA_LANES(-0.9360705269999999, 0.9360705269999999)*t113)));
+		const rneagen_lanes a9x_wide = RNEA_LANES_FMA(RNEA_LANES(-0.29955, 0.29955), t113, a8x_wide);
+		const rneagen_lanes n8z_wide = RNEA_LANES_FMA(RNEA_LANES(0.9360705269999999, -0.9360705269999999),
 			a8x_wide,
-			0.00037196999999999995*a8y_wide) + RNEA_LANES_FMA(RNEA_LANES(-3.08586312e-05, 3.08586312e-05),
-				t110
-			- t106, t118);
-		const rneagen_lanes t126 = RNEA_LANES(1.0, -1.0)*a8y_wide;
-		const rneagen_lanes t127 = RNEA_LANES(1.0, -1.0)*a8z_wide;
+			RNEA_LANES(0.00048213, -0.00048213)*t98) + RNEA_LANES_FMA(RNEA_LANES(0.00011356341029999999,
+			-0.00011356341029999999), t108 - t104, t117);
 
 		/* ---- out to link 9 "l_lfarm" (fpass) ---- */
 		const double q9 = q[8*stride];
@@ -2199,130 +2113,141 @@ static RNEA_INLINE int atlas_rnea_beside_segment2(const double *first_q, const d
 		const double q17 = q[16*stride];
 		double s17, c17;
 		all_small &= rneagen_sincos_known(q17, known, sines + 30, &s17, &c17);
-		const rneagen_lanes t120 = RNEA_LANES(c9, c17);
-		const rneagen_lanes t119 = RNEA_LANES(s9, s17);
+		const rneagen_lanes t119 = RNEA_LANES(c9, c17);
+		const rneagen_lanes t118 = RNEA_LANES(s9, s17);
 		const double qd9 = qd[8*stride];
 		const double qd17 = qd[16*stride];
-		const rneagen_lanes t121 = RNEA_LANES(qd9, qd17);
-		const rneagen_lanes w9x_wide = w8x_wide + t121;
+		const rneagen_lanes t120 = RNEA_LANES(qd9, qd17);
+		const rneagen_lanes w9x_wide = w8x_wide + t120;
 		const double qdd9 = qdd[8*stride];
 		const double qdd17 = qdd[16*stride];
 		const rneagen_lanes dw9x_wide = dw8x_wide + RNEA_LANES(qdd9, qdd17);
-		const rneagen_lanes w9y_wide = RNEA_LANES_FMA(t120, t122, t119*t123);
-		const rneagen_lanes w9z_wide = RNEA_LANES_FMA(t122, -t119, t120*t123);
-		const rneagen_lanes dw9y_wide = RNEA_LANES_FMA(t121, w9z_wide, RNEA_LANES_FMA(t120, t124, t119*t125));
-		const rneagen_lanes dw9z_wide = RNEA_LANES_FMA(w9y_wide, -t121, RNEA_LANES_FMA(t124, -t119, t120*t125));
-		const rneagen_lanes a9y_wide = RNEA_LANES_FMA(t120, t126, t119*t127);
-		const rneagen_lanes a9z_wide = RNEA_LANES_FMA(t126, -t119, t120*t127);
-		const rneagen_lanes t128 = w9y_wide*w9z_wide;
-		const rneagen_lanes t129 = w9z_wide*w9z_wide;
-		const rneagen_lanes t130 = w9y_wide*w9y_wide;
-		const rneagen_lanes t131 = w9z_wide*w9x_wide;
-		const rneagen_lanes t132 = w9x_wide*w9x_wide;
-		const rneagen_lanes t133 = w9y_wide*w9x_wide;
-		const rneagen_lanes t134 = -RNEA_LANES_FMA(RNEA_SPLAT(0.02515), t133 - dw9z_wide, 0.00017*(t129
-			+ t130));
-		const rneagen_lanes t135 = RNEA_LANES_FMA(RNEA_SPLAT(0.02515), t129 + t132, 0.00017*(dw9z_wide + t133));
-		const rneagen_lanes t138 = a9y_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.00163), t128 - dw9x_wide, t135);
-		const rneagen_lanes t137 = a8x_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.00163), dw9y_wide + t131, t134);
-		const rneagen_lanes n9z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00011016000000000002), t138, 0.0162972*t137)
-			+ RNEA_LANES_FMA(RNEA_SPLAT(-0.000335), t133, 0.000825*dw9z_wide);
-		const rneagen_lanes t136 = RNEA_LANES_FMA(RNEA_SPLAT(-0.02515), dw9x_wide + t128, 0.00017*(t131
-			- dw9y_wide));
-		const rneagen_lanes t139 = a9z_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.00163), t130 + t132, t136);
-		const rneagen_lanes n9y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.00011016000000000002), t139,
-			0.00105624*t137)
-			+ RNEA_LANES_FMA(RNEA_SPLAT(-6.0999999999999965e-05), t131, 0.000429*dw9y_wide);
-		const rneagen_lanes n9x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.000764), dw9x_wide, 0.000396*t128)
-			- RNEA_LANES_FMA(RNEA_SPLAT(0.0162972), t139, 0.00105624*t138);
-		const rneagen_lanes f9y_wide = 0.648*t138;
+		const rneagen_lanes w9y_wide = RNEA_LANES_FMA(t119, t121, t118*t122);
+		const rneagen_lanes w9z_wide = RNEA_LANES_FMA(t121, -t118, t119*t122);
+		const rneagen_lanes dw9y_wide = RNEA_LANES_FMA(t120, w9z_wide, RNEA_LANES_FMA(t119, t123, t118*t124));
+		const rneagen_lanes dw9z_wide = RNEA_LANES_FMA(w9y_wide, -t120, RNEA_LANES_FMA(t123, -t118, t119*t124));
+		const rneagen_lanes a9y_wide = RNEA_LANES_FMA(t119, t125, t118*t126);
+		const rneagen_lanes a9z_wide = RNEA_LANES_FMA(t125, -t118, t119*t126);
+		const rneagen_lanes t127 = w9y_wide*w9z_wide;
+		const rneagen_lanes t128 = w9z_wide*w9z_wide;
+		const rneagen_lanes t129 = w9y_wide*w9y_wide;
+		const rneagen_lanes t130 = t127 - dw9x_wide;
+		const rneagen_lanes t131 = dw9x_wide + t127;
+		const rneagen_lanes t132 = w9z_wide*w9x_wide;
+		const rneagen_lanes t138 = RNEA_LANES_FMA(RNEA_SPLAT(-2.7705240000000002e-06), t132 - dw9y_wide,
+			RNEA_LANES_FMA(RNEA_LANES(0.00700161651663, 0.007001755211728461), dw9x_wide,
+			RNEA_LANES(0.00663017317423, 0.006630311869328461)*t127));
+		const rneagen_lanes t133 = w9x_wide*w9x_wide;
+		const rneagen_lanes t134 = dw9y_wide + t132;
+		const rneagen_lanes t135 = w9y_wide*w9x_wide;
+		const rneagen_lanes t139 = RNEA_LANES_FMA(RNEA_SPLAT(2.6564435999999998e-05), t129 - t128,
+			RNEA_LANES_FMA(RNEA_SPLAT(-1.7956080000000002e-07), dw9z_wide + t135, t138));
+		const rneagen_lanes n9x_wide = t139 - RNEA_LANES_FMA(RNEA_SPLAT(0.076387601), a9z_wide,
+			0.00105624*a9y_wide);
+		const rneagen_lanes t136 = t135 - dw9z_wide;
+		const rneagen_lanes t141 = RNEA_LANES_FMA(RNEA_SPLAT(2.7705240000000002e-06), t133 - t129,
+			RNEA_LANES_FMA(RNEA_SPLAT(2.6564435999999998e-05), t134,
+			RNEA_LANES_FMA(RNEA_SPLAT(1.7956080000000002e-07), t130, RNEA_LANES(-0.01363178969086,
+			-0.013632067081056923)*t135)));
+		const rneagen_lanes f9y_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00105624), t130, 0.076387601*(t128 + t133));
+		const rneagen_lanes f9x_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.076387601), t136, 0.00105624*t134);
+		const rneagen_lanes t140 = RNEA_LANES_FMA(RNEA_SPLAT(2.7705240000000002e-06), t131,
+			RNEA_LANES_FMA(RNEA_SPLAT(-2.6564435999999998e-05), t136,
+				RNEA_LANES_FMA(RNEA_LANES(-0.00663017317423,
+			-0.006630311869328461), dw9y_wide, RNEA_LANES(0.00700161651663, 0.007001755211728461)*t132)));
+		const rneagen_lanes t137 = RNEA_LANES_FMA(RNEA_SPLAT(0.00105624), t129 + t133, 0.076387601*t131);
+		const rneagen_lanes n9y_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00105624), a9x_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(-1.7956080000000002e-07), t128 - t133, t140));
+		const rneagen_lanes n9z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.076387601), a9x_wide, t141);
 
 		/* ---- out to link 10 "l_hand" (fpass) ---- */
 		const double q10 = q[9*stride];
-		double t140, c10;
-		all_small &= rneagen_sincos_known(q10, known, sines + 16, &t140, &c10);
+		double t142, c10;
+		all_small &= rneagen_sincos_known(q10, known, sines + 16, &t142, &c10);
 		const double q18 = q[17*stride];
-		double t141, c18;
-		all_small &= rneagen_sincos_known(q18, known, sines + 32, &t141, &c18);
-		const rneagen_lanes t143 = RNEA_LANES(c10, c18);
-		const rneagen_lanes t142 = RNEA_LANES(t140, t141);
+		double t143, c18;
+		all_small &= rneagen_sincos_known(q18, known, sines + 32, &t143, &c18);
+		const rneagen_lanes t145 = RNEA_LANES(c10, c18);
+		const rneagen_lanes t144 = RNEA_LANES(t142, t143);
+		const rneagen_lanes sa10_wide = RNEA_LANES_FMA(RNEA_LANES(-1.0, -0.12403473458920845), t144,
+			RNEA_LANES(0.0,
+			-0.9922778767136676)*t145);
+		const rneagen_lanes ca10_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, 0.12403473458920845), t145,
+			RNEA_LANES(0.0,
+			-0.9922778767136676)*t144);
 		const double qd10 = qd[9*stride];
 		const double qd18 = qd[17*stride];
-		const rneagen_lanes t144 = RNEA_LANES(qd10, qd18);
-		const rneagen_lanes w10y_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), w9y_wide, -t144);
+		const rneagen_lanes t146 = RNEA_LANES(qd10, qd18);
+		const rneagen_lanes w10y_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), w9y_wide, -t146);
 		const double qdd10 = qdd[9*stride];
 		const double qdd18 = qdd[17*stride];
 		const rneagen_lanes dw10y_wide = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), dw9y_wide, -RNEA_LANES(qdd10,
 			qdd18));
-		const rneagen_lanes t145 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), w9z_wide,
-			RNEA_LANES(-1.0,
+		const rneagen_lanes t147 = RNEA_LANES_FMA(RNEA_LANES(-1.0, 0.0), w9z_wide, RNEA_LANES(0.0,
 			1.0)*w9x_wide);
-		const rneagen_lanes t146 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), w9x_wide,
-			-w9z_wide);
-		const rneagen_lanes t147 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), dw9z_wide,
-			RNEA_LANES(-1.0,
+		const rneagen_lanes t148 = RNEA_LANES_FMA(RNEA_LANES(0.0, -1.0), w9z_wide, RNEA_LANES(1.0,
+			0.0)*w9x_wide);
+		const rneagen_lanes t149 = RNEA_LANES_FMA(RNEA_LANES(-1.0, 0.0), dw9z_wide, RNEA_LANES(0.0,
 			1.0)*dw9x_wide);
-		const rneagen_lanes t148 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), dw9x_wide,
-			-dw9z_wide);
-		const rneagen_lanes t149 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), a9z_wide,
-			RNEA_LANES(-1.0,
-			1.0)*a8x_wide);
-		const rneagen_lanes t150 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), a8x_wide,
-			-a9z_wide);
-		const rneagen_lanes w10z_wide = RNEA_LANES_FMA(t145, -t142, t143*t146);
-		const rneagen_lanes w10x_wide = RNEA_LANES_FMA(t142, t146, t143*t145);
-		const rneagen_lanes dw10x_wide = RNEA_LANES_FMA(t144, w10z_wide, RNEA_LANES_FMA(t142, t148, t143*t147));
-		const rneagen_lanes dw10z_wide = RNEA_LANES_FMA(w10x_wide, -t144, RNEA_LANES_FMA(t147, -t142,
-			t143*t148));
-		const rneagen_lanes a10z_wide = RNEA_LANES_FMA(t149, -t142, t143*t150);
-		const rneagen_lanes a10x_wide = RNEA_LANES_FMA(t142, t150, t143*t149);
-		const rneagen_lanes t151 = w10z_wide*w10y_wide;
-		const rneagen_lanes t152 = w10z_wide*w10z_wide;
-		const rneagen_lanes t156 = w10z_wide*w10x_wide;
-		const rneagen_lanes t153 = w10y_wide*w10y_wide;
-		const rneagen_lanes t160 = w10x_wide*w10y_wide;
-		const rneagen_lanes t157 = w10x_wide*w10x_wide;
-		const rneagen_lanes t154 = t151 - dw10x_wide;
-		const rneagen_lanes t155 = dw10x_wide + t151;
-		const rneagen_lanes t158 = t156 - dw10y_wide;
-		const rneagen_lanes t159 = dw10y_wide + t156;
-		const rneagen_lanes t161 = t160 - dw10z_wide;
-		const rneagen_lanes t164 = RNEA_LANES_FMA(RNEA_LANES(7.62246416e-06, -7.62246416e-06), t155,
-			RNEA_LANES_FMA(RNEA_SPLAT(-9.5280802e-07), t161, RNEA_LANES_FMA(RNEA_SPLAT(0.0004870151814),
-				dw10y_wide,
-			8.985285720000002e-06*t156)));
-		const rneagen_lanes f10x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.6839), a10x_wide,
-			RNEA_LANES_FMA(RNEA_LANES(1.1678e-05, -1.1678e-05), t159,
-				RNEA_LANES_FMA(RNEA_SPLAT(-9.3424e-05), t152
-			+ t153, RNEA_LANES(-0.060090400999999995, 0.060090400999999995)*t161)));
-		const rneagen_lanes t165 = RNEA_LANES_FMA(RNEA_SPLAT(9.5280802e-07), t159,
-			RNEA_LANES_FMA(RNEA_LANES(1.86848e-09, -1.86848e-09), t154,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.005347990369749999), t160, 0.0058260202654299995*dw10z_wide)));
-		const rneagen_lanes t162 = dw10z_wide + t160;
-		const rneagen_lanes t163 = RNEA_LANES_FMA(RNEA_LANES(-1.86848e-09, 1.86848e-09), t162,
-			RNEA_LANES_FMA(RNEA_LANES(-7.62246416e-06, 7.62246416e-06), t158,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.00583500555115), dw10x_wide, 0.00533900508403*t151)));
-		const rneagen_lanes f10z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.6839), a10z_wide,
-			RNEA_LANES_FMA(RNEA_LANES(-1.1678e-05, 1.1678e-05), t153 + t157,
-			RNEA_LANES_FMA(RNEA_LANES(-0.060090400999999995, 0.060090400999999995), t155,
-				9.3424e-05*t158)));
-		const rneagen_lanes f10y_wide = RNEA_LANES_FMA(RNEA_LANES(0.6839, -0.6839), a9y_wide,
-			RNEA_LANES_FMA(RNEA_LANES(1.1678e-05, -1.1678e-05), t154,
-			RNEA_LANES_FMA(RNEA_LANES(0.060090400999999995, -0.060090400999999995), t152 + t157,
-				9.3424e-05*t162)));
-		const rneagen_lanes f9y_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), f10y_wide, f9y_wide);
-		const rneagen_lanes n10x_wide = RNEA_LANES_FMA(RNEA_LANES(-1.1678e-05, -1.1678e-05), a9y_wide,
-			RNEA_LANES(-0.060090400999999995, 0.060090400999999995)*a10z_wide)
-			+ RNEA_LANES_FMA(RNEA_SPLAT(9.5280802e-07), t153 - t152, t163);
-		const rneagen_lanes n10y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-9.3424e-05), a10z_wide,
-			RNEA_LANES(1.1678e-05,
-			-1.1678e-05)*a10x_wide) + RNEA_LANES_FMA(RNEA_LANES(-1.86848e-09, 1.86848e-09), t152 - t157,
-				t164);
-		const rneagen_lanes n10z_wide = RNEA_LANES_FMA(RNEA_LANES(0.060090400999999995, -0.060090400999999995),
-			a10x_wide, RNEA_LANES(9.3424e-05, -9.3424e-05)*a9y_wide)
-				+ RNEA_LANES_FMA(RNEA_LANES(7.62246416e-06,
-			-7.62246416e-06), t157 - t153, t165);
+		const rneagen_lanes t150 = RNEA_LANES_FMA(RNEA_LANES(0.0, -1.0), dw9z_wide, RNEA_LANES(1.0,
+			0.0)*dw9x_wide);
+		const rneagen_lanes t151 = RNEA_LANES_FMA(RNEA_LANES(-1.0, 0.0), a9z_wide, RNEA_LANES(0.0,
+			1.0)*a9x_wide);
+		const rneagen_lanes t152 = RNEA_LANES_FMA(RNEA_LANES(0.0, -1.0), a9z_wide, RNEA_LANES(1.0,
+			0.0)*a9x_wide);
+		const rneagen_lanes w10z_wide = RNEA_LANES_FMA(ca10_wide, t148, sa10_wide*t147);
+		const rneagen_lanes w10x_wide = RNEA_LANES_FMA(t148, -sa10_wide, ca10_wide*t147);
+		const rneagen_lanes dw10x_wide = RNEA_LANES_FMA(t146, w10z_wide, RNEA_LANES_FMA(t150, -sa10_wide,
+			ca10_wide*t149));
+		const rneagen_lanes dw10z_wide = RNEA_LANES_FMA(w10x_wide, -t146, RNEA_LANES_FMA(ca10_wide, t150,
+			sa10_wide*t149));
+		const rneagen_lanes a10z_wide = RNEA_LANES_FMA(ca10_wide, t152, sa10_wide*t151);
+		const rneagen_lanes a10x_wide = RNEA_LANES_FMA(t152, -sa10_wide, ca10_wide*t151);
+		const rneagen_lanes t153 = w10z_wide*w10y_wide;
+		const rneagen_lanes t154 = w10z_wide*w10z_wide;
+		const rneagen_lanes t157 = w10z_wide*w10x_wide;
+		const rneagen_lanes t155 = w10y_wide*w10y_wide;
+		const rneagen_lanes t161 = w10x_wide*w10y_wide;
+		const rneagen_lanes t158 = w10x_wide*w10x_wide;
+		const rneagen_lanes t156 = t153 - dw10x_wide;
+		const rneagen_lanes t159 = t157 - dw10y_wide;
+		const rneagen_lanes t160 = dw10y_wide + t157;
+		const rneagen_lanes t164 = RNEA_LANES_FMA(RNEA_LANES(7.622464160000197e-06, -7.681783841885999e-06),
+			t161
+			- dw10z_wide, RNEA_LANES_FMA(RNEA_SPLAT(0.0004870151814), dw10y_wide,
+				RNEA_LANES(-8.98528572e-06,
+			-8.707895523076924e-06)*t157));
+		const rneagen_lanes t165 = RNEA_LANES_FMA(RNEA_LANES(1.8684800018583648e-09, -1.107692307692308e-06),
+			t154
+			- t158, RNEA_LANES_FMA(RNEA_LANES(9.528080199984234e-07, 0.0), dw10x_wide + t153, t164));
+		const rneagen_lanes n10y_wide = RNEA_LANES_FMA(RNEA_LANES(-1.1677999999980678e-05, -0.0), a10z_wide,
+			RNEA_LANES(-9.342400000000242e-05, -9.415104598463046e-05)*a10x_wide) + t165;
 		const rneagen_lanes n9y_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), n10y_wide, n9y_wide);
+		const rneagen_lanes t162 = dw10z_wide + t161;
+		const rneagen_lanes t166 = RNEA_LANES_FMA(RNEA_LANES(-7.622464160000197e-06, 7.681783841885999e-06),
+			t160,
+			RNEA_LANES_FMA(RNEA_LANES(-1.8684800018583648e-09, 1.107692307692308e-06), t156,
+			RNEA_LANES_FMA(RNEA_LANES(8.98528572e-06, 8.707895523076924e-06), dw10z_wide,
+				0.0004870151814*t161)));
+		const rneagen_lanes f10y_wide = RNEA_LANES_FMA(RNEA_LANES(-9.342400000000242e-05,
+			-9.415104598463046e-05), t156,
+			RNEA_LANES(1.1677999999980678e-05, 0.0)*t162);
+		const rneagen_lanes t163 = RNEA_LANES_FMA(RNEA_LANES(-7.622464160000197e-06, 7.681783841885999e-06),
+			t155
+			- t154, RNEA_LANES_FMA(RNEA_LANES(1.8684800018583648e-09, -1.107692307692308e-06), t162,
+			RNEA_LANES_FMA(RNEA_LANES(-9.528080199984234e-07, -0.0), t159, RNEA_LANES(-0.00047802989568,
+			-0.00047830728587692307)*t153)));
+		const rneagen_lanes f10z_wide = RNEA_LANES_FMA(RNEA_LANES(9.342400000000242e-05, 9.415104598463046e-05),
+			t155
+			+ t158, RNEA_LANES(1.1677999999980678e-05, 0.0)*t159);
+		const rneagen_lanes n10z_wide = RNEA_LANES_FMA(RNEA_LANES(1.1677999999980678e-05, 0.0), a9y_wide,
+			RNEA_LANES_FMA(RNEA_LANES(9.528080199984234e-07, 0.0), t158 - t155, t166));
+		const rneagen_lanes f10x_wide = RNEA_LANES_FMA(RNEA_LANES(-1.1677999999980678e-05, -0.0), t154 + t155,
+			RNEA_LANES(-9.342400000000242e-05, -9.415104598463046e-05)*t160);
+		const rneagen_lanes n10x_wide = RNEA_LANES_FMA(RNEA_LANES(9.342400000000242e-05,
+			-9.415104598463046e-05),
+			a9y_wide, t163);
+		const rneagen_lanes f9y_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), f10y_wide, f9y_wide);
 		const double n10y = n10y_wide[0];
 		const double n18y = n10y_wide[1];
 		tau[17*stride] = -n18y;
@@ -2330,34 +2255,32 @@ static RNEA_INLINE int atlas_rnea_beside_segment2(const double *first_q, const d
 
 		/* ---- back from link 10 "l_hand" to link 9 (bpass): torque of "l_arm_lwy" ---- */
 		/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
-		const rneagen_lanes t166 = RNEA_LANES_FMA(t143, f10z_wide, t142*f10x_wide);
-		const rneagen_lanes t167 = RNEA_LANES_FMA(-t142, f10z_wide, t143*f10x_wide);
-		const rneagen_lanes f9z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.648), t139,
-			RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t167, -t166));
-		const rneagen_lanes f9x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.648), t137,
-			RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t166, RNEA_LANES(-1.0, 1.0)*t167));
-		const rneagen_lanes f8x_wide_2 = f8x_wide + f9x_wide;
-		const rneagen_lanes f8z_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), RNEA_LANES_FMA(t119, f9y_wide_2,
-			t120*f9z_wide), f8z_wide);
-		const rneagen_lanes f8y_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), RNEA_LANES_FMA(-t119, f9z_wide,
-			t120*f9y_wide_2), f8y_wide);
-		wide_across[38*step] = f8y_wide_2;
-		const rneagen_lanes f7y_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.248), a7y_wide, f8y_wide_2);
-		wide_across[39*step] = f7y_wide;
-		const rneagen_lanes t168 = RNEA_LANES_FMA(t143, n10z_wide, t142*n10x_wide);
-		const rneagen_lanes t169 = RNEA_LANES_FMA(-t142, n10z_wide, t143*n10x_wide);
-		const rneagen_lanes n9z_wide_2 = n9z_wide + RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0),
-			t169,
-			-t168);
-		const rneagen_lanes n9x_wide_2 = n9x_wide + RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0),
-			t168,
-			RNEA_LANES(-1.0, 1.0)*t169);
-		const rneagen_lanes n8x_wide_2 = n8x_wide + n9x_wide_2;
-		const rneagen_lanes n8z_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), RNEA_LANES_FMA(t119, n9y_wide_2,
-			t120*n9z_wide_2), n8z_wide);
-		const rneagen_lanes n8y_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), RNEA_LANES_FMA(-t119, n9z_wide_2,
-			t120*n9y_wide_2), n8y_wide);
-		wide_across[40*step] = n8y_wide_2;
+		const rneagen_lanes t167 = RNEA_LANES_FMA(-sa10_wide, f10x_wide, ca10_wide*f10z_wide);
+		const rneagen_lanes t168 = RNEA_LANES_FMA(sa10_wide, f10z_wide, ca10_wide*f10x_wide);
+		const rneagen_lanes f9z_wide = RNEA_LANES_FMA(RNEA_LANES(0.0, -1.0), t167, RNEA_LANES(-1.0, 0.0)*t168)
+			- t137;
+		const rneagen_lanes f9x_wide_2 = f9x_wide + RNEA_LANES_FMA(RNEA_LANES(1.0, 0.0), t167, RNEA_LANES(0.0,
+			1.0)*t168);
+		const rneagen_lanes f8x_wide_2 = f8x_wide + f9x_wide_2;
+		const rneagen_lanes f8y_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), RNEA_LANES_FMA(-t118, f9z_wide,
+			t119*f9y_wide_2), f8y_wide);
+		const rneagen_lanes t171 = RNEA_LANES_FMA(t118, f9y_wide_2, t119*f9z_wide);
+		const rneagen_lanes f8z_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), t171, f8z_wide);
+		const rneagen_lanes f7y_wide = wide_across[34*step];
+		const rneagen_lanes f7y_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), f8y_wide_2, f7y_wide);
+		wide_across[37*step] = f7y_wide_2;
+		const rneagen_lanes t169 = RNEA_LANES_FMA(-sa10_wide, n10x_wide, ca10_wide*n10z_wide);
+		const rneagen_lanes t170 = RNEA_LANES_FMA(sa10_wide, n10z_wide, ca10_wide*n10x_wide);
+		const rneagen_lanes n9z_wide_2 = n9z_wide + RNEA_LANES_FMA(RNEA_LANES(0.0, -1.0), t169, RNEA_LANES(-1.0,
+			0.0)*t170);
+		const rneagen_lanes n9x_wide_2 = n9x_wide + RNEA_LANES_FMA(RNEA_LANES(1.0, 0.0), t169, RNEA_LANES(0.0,
+			1.0)*t170);
+		const rneagen_lanes n8x_wide_2 = n8x_wide + RNEA_LANES_FMA(RNEA_LANES(-0.29955, -0.29955), t171,
+			n9x_wide_2);
+		const rneagen_lanes n8z_wide_2 = n8z_wide + RNEA_LANES_FMA(RNEA_LANES(0.29955, -0.29955), f9x_wide_2,
+			RNEA_LANES(1.0, -1.0)*RNEA_LANES_FMA(t118, n9y_wide_2, t119*n9z_wide_2));
+		const rneagen_lanes n8y_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), RNEA_LANES_FMA(-t118, n9z_wide_2,
+			t119*n9y_wide_2), n8y_wide);
 		const double n9x = n9x_wide_2[0];
 		const double n17x = n9x_wide_2[1];
 		tau[16*stride] = n17x;
@@ -2368,14 +2291,36 @@ static RNEA_INLINE int atlas_rnea_beside_segment2(const double *first_q, const d
 		tau[7*stride] = -n8y;
 
 		/* ---- back from link 8 "l_ufarm" to link 7 (bpass): torque of "l_arm_uwy" ---- */
-		const rneagen_lanes t170 = RNEA_LANES_FMA(t94, f8z_wide_2, t93*f8x_wide_2);
-		wide_across[41*step] = t170;
-		const rneagen_lanes t171 = RNEA_LANES_FMA(-t93, f8z_wide_2, t94*f8x_wide_2);
-		wide_across[42*step] = t171;
-		const rneagen_lanes t172 = RNEA_LANES_FMA(t94, n8z_wide_2, t93*n8x_wide_2);
-		wide_across[43*step] = t172;
-		const rneagen_lanes t173 = RNEA_LANES_FMA(-t93, n8z_wide_2, t94*n8x_wide_2);
-		wide_across[44*step] = t173;
+		const rneagen_lanes t172 = RNEA_LANES_FMA(-sa8_wide, f8x_wide_2, ca8_wide*f8z_wide_2);
+		const rneagen_lanes t173 = RNEA_LANES_FMA(sa8_wide, f8z_wide_2, ca8_wide*f8x_wide_2);
+		const rneagen_lanes f7z_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.248), a7z_wide,
+			RNEA_LANES_FMA(RNEA_LANES(0.0, 1.0),
+			t172, RNEA_LANES(-1.0, 0.0)*t173));
+		wide_across[38*step] = f7z_wide;
+		const rneagen_lanes t176 = RNEA_LANES_FMA(RNEA_LANES(1.0, 0.0), t172, RNEA_LANES(0.0, -1.0)*t173);
+		const rneagen_lanes n7y_wide = wide_across[33*step];
+		const rneagen_lanes n7y_wide_2 = n7y_wide + RNEA_LANES_FMA(RNEA_LANES(-0.00921, 0.00921), t176,
+			RNEA_LANES(1.0,
+			-1.0)*n8y_wide_2);
+		wide_across[39*step] = n7y_wide_2;
+		const double n16y = n8y_wide_2[1];
+		tau[15*stride] = -n16y;
+		const rneagen_lanes t84 = wide_across[22*step];
+		const rneagen_lanes f7x_wide = RNEA_LANES_FMA(RNEA_LANES(3.248, -3.248), t84, t176);
+		wide_across[40*step] = f7x_wide;
+		const rneagen_lanes f6x_wide = wide_across[21*step];
+		const rneagen_lanes f6x_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), f7x_wide, f6x_wide);
+		wide_across[41*step] = f6x_wide_2;
+		const rneagen_lanes t174 = RNEA_LANES_FMA(-sa8_wide, n8x_wide_2, ca8_wide*n8z_wide_2);
+		const rneagen_lanes t175 = RNEA_LANES_FMA(sa8_wide, n8z_wide_2, ca8_wide*n8x_wide_2);
+		const rneagen_lanes n7z_wide = wide_across[36*step];
+		const rneagen_lanes n7z_wide_2 = n7z_wide + RNEA_LANES_FMA(RNEA_LANES(0.0, 1.0), t174, RNEA_LANES(-1.0,
+			0.0)*t175);
+		wide_across[42*step] = n7z_wide_2;
+		const rneagen_lanes n7x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00265), dw7x_wide,
+			RNEA_LANES_FMA(RNEA_LANES(0.00921,
+			0.00921), f8y_wide_2, RNEA_LANES_FMA(RNEA_LANES(1.0, 0.0), t174, RNEA_LANES(0.0, -1.0)*t175)));
+		wide_across[43*step] = n7x_wide;
 	}
 	return all_small;
 }
@@ -2396,241 +2341,212 @@ static RNEA_INLINE int atlas_rnea_beside_segment3(const double *first_q, const d
 		double *const tau = first_tau + l;
 		double *const across = first_across + l;
 		rneagen_lanes *const wide_across = first_wide_across + l;
-		const rneagen_lanes t170 = wide_across[41*step];
-		const rneagen_lanes t171 = wide_across[42*step];
-		const rneagen_lanes t174 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t170, -t171);
-		const rneagen_lanes t175 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t171, -t170);
-		const rneagen_lanes t172 = wide_across[43*step];
-		const rneagen_lanes t173 = wide_across[44*step];
-		const rneagen_lanes f8y_wide_2 = wide_across[38*step];
-		const rneagen_lanes t176 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t172, -t173)
-			+ RNEA_LANES_FMA(RNEA_LANES(-0.29955, 0.29955), t175, 0.00921*f8y_wide_2);
-		const rneagen_lanes a7z_wide = wide_across[0];
-		const rneagen_lanes f7z_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.248), a7z_wide, t175);
-		const rneagen_lanes n7z_wide = wide_across[2*step];
-		const rneagen_lanes n7z_wide_2 = n7z_wide + RNEA_LANES_FMA(RNEA_LANES(0.29955, -0.29955), t174,
-			RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t173, -t172));
-		const rneagen_lanes dw7x_wide = wide_across[35*step];
-		const rneagen_lanes n7x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00265), dw7x_wide, t176);
-		const rneagen_lanes n7y_wide = wide_across[step];
-		const rneagen_lanes n8y_wide_2 = wide_across[40*step];
-		const rneagen_lanes n7y_wide_2 = n7y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.00921), t174, n8y_wide_2);
-		const double n16y = n8y_wide_2[1];
-		tau[15*stride] = -n16y;
-		const rneagen_lanes a7x_wide = wide_across[30*step];
-		const rneagen_lanes f7x_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.248), a7x_wide, t174);
-		const rneagen_lanes n6z_wide = wide_across[28*step];
-		const rneagen_lanes t82 = wide_across[32*step];
-		const rneagen_lanes t83 = wide_across[31*step];
-		const rneagen_lanes n6z_wide_2 = n6z_wide + RNEA_LANES_FMA(RNEA_LANES(0.119, -0.119), f7x_wide,
-			RNEA_LANES_FMA(-t82, n7y_wide_2, t83*n7z_wide_2));
-		const rneagen_lanes dw6y_wide = wide_across[21*step];
+		const rneagen_lanes n6z_wide = wide_across[20*step];
+		const rneagen_lanes f7x_wide = wide_across[40*step];
+		const rneagen_lanes t79 = wide_across[24*step];
+		const rneagen_lanes n7y_wide_2 = wide_across[39*step];
+		const rneagen_lanes t80 = wide_across[23*step];
+		const rneagen_lanes n7z_wide_2 = wide_across[42*step];
+		const rneagen_lanes n6z_wide_2 = n6z_wide + RNEA_LANES_FMA(RNEA_LANES(0.306, 0.306), f7x_wide,
+			RNEA_LANES_FMA(-t79, n7y_wide_2, t80*n7z_wide_2));
+		const rneagen_lanes dw6y_wide = wide_across[16*step];
 		const rneagen_lanes n6y_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00358), dw6y_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.0092),
-			f7x_wide, RNEA_LANES_FMA(t83, n7y_wide_2, t82*n7z_wide_2)));
-		const rneagen_lanes f6x_wide = wide_across[29*step];
-		const rneagen_lanes f6x_wide_2 = f6x_wide + f7x_wide;
+			RNEA_LANES_FMA(RNEA_LANES(0.0092,
+			0.0092), f7x_wide, RNEA_LANES(1.0, -1.0)*RNEA_LANES_FMA(t80, n7y_wide_2, t79*n7z_wide_2)));
+		const rneagen_lanes n7x_wide = wide_across[43*step];
 		const double n7x = n7x_wide[0];
 		tau[6*stride] = -n7x;
 
 		/* ---- back from link 7 "l_larm" to link 6 (bpass): torque of "l_arm_elx" ---- */
-		const rneagen_lanes f7y_wide = wide_across[39*step];
-		const rneagen_lanes t177 = RNEA_LANES_FMA(t83, f7y_wide, t82*f7z_wide);
-		const rneagen_lanes t178 = RNEA_LANES_FMA(-t82, f7y_wide, t83*f7z_wide);
-		const rneagen_lanes n6x_wide = wide_across[25*step];
-		const rneagen_lanes n6x_wide_2 = n6x_wide + (n7x_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.0092), t177,
-			RNEA_LANES(-0.119, 0.119)*t178));
-		const rneagen_lanes f6z_wide = wide_across[24*step];
+		const rneagen_lanes f7y_wide_2 = wide_across[37*step];
+		const rneagen_lanes f7z_wide = wide_across[38*step];
+		const rneagen_lanes t177 = RNEA_LANES_FMA(t80, f7y_wide_2, t79*f7z_wide);
+		const rneagen_lanes t178 = RNEA_LANES_FMA(-t79, f7y_wide_2, t80*f7z_wide);
+		const rneagen_lanes n6x_wide = wide_across[18*step];
+		const rneagen_lanes n6x_wide_2 = n6x_wide + RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), n7x_wide,
+			RNEA_LANES_FMA(RNEA_LANES(-0.0092, -0.0092), t177, RNEA_LANES(-0.306, 0.306)*t178));
+		const rneagen_lanes f6z_wide = wide_across[17*step];
 		const rneagen_lanes f6z_wide_2 = f6z_wide + t178;
-		const rneagen_lanes f6y_wide = wide_across[27*step];
-		const rneagen_lanes f6y_wide_2 = f6y_wide + t177;
-		const rneagen_lanes a5y_wide = wide_across[15*step];
-		const rneagen_lanes f5y_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.899), a5y_wide, f6y_wide_2);
+		const rneagen_lanes f6y_wide = wide_across[19*step];
+		const rneagen_lanes f6y_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), t177, f6y_wide);
 		const double n15x = n7x_wide[1];
 		tau[14*stride] = -n15x;
+		const rneagen_lanes w5y_wide = wide_across[12*step];
+		const rneagen_lanes w5x_wide = wide_across[10*step];
+		const rneagen_lanes t64 = wide_across[14*step];
+		const rneagen_lanes t63 = wide_across[15*step];
+		const rneagen_lanes n5z_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.00319), w5y_wide*w5x_wide,
+			RNEA_LANES_FMA(t64,
+			n6z_wide_2, t63*n6x_wide_2));
+		const rneagen_lanes t180 = RNEA_LANES_FMA(RNEA_LANES(0.016, 0.016), f6y_wide_2, RNEA_LANES(1.0,
+			-1.0)*RNEA_LANES_FMA(-t63, n6z_wide_2, t64*n6x_wide_2));
+		const rneagen_lanes f5y_wide = RNEA_LANES(1.0, -1.0)*f6y_wide_2;
+		const rneagen_lanes dw5x_wide = wide_across[11*step];
+		const rneagen_lanes n5x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00319), dw5x_wide, t180);
 		const double n6y = n6y_wide[0];
 		tau[5*stride] = -n6y;
 
 		/* ---- back from link 6 "l_uarm" to link 5 (bpass): torque of "l_arm_ely" ---- */
-		const rneagen_lanes t70 = wide_across[19*step];
-		const rneagen_lanes t69 = wide_across[20*step];
-		const rneagen_lanes t179 = RNEA_LANES_FMA(t70, f6z_wide_2, t69*f6x_wide_2);
-		const rneagen_lanes t180 = RNEA_LANES_FMA(-t69, f6z_wide_2, t70*f6x_wide_2);
-		const rneagen_lanes n5z_wide = wide_across[18*step];
-		const rneagen_lanes n5z_wide_2 = n5z_wide + RNEA_LANES_FMA(RNEA_LANES(0.187, -0.187), t180,
-			RNEA_LANES_FMA(t70,
-			n6z_wide_2, t69*n6x_wide_2));
-		const rneagen_lanes t181 = RNEA_LANES_FMA(-t69, n6z_wide_2, t70*n6x_wide_2);
-		const rneagen_lanes dw5x_wide = wide_across[14*step];
-		const rneagen_lanes n5x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00319), dw5x_wide, t181
-			+ RNEA_LANES_FMA(RNEA_LANES(-0.187, 0.187), t179, 0.016*f6y_wide_2));
-		const rneagen_lanes a5z_wide = wide_across[16*step];
-		const rneagen_lanes f5z_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.899), a5z_wide, t179);
-		const rneagen_lanes n5y_wide = wide_across[17*step];
-		const rneagen_lanes n5y_wide_2 = n5y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.016), t180, n6y_wide);
+		const rneagen_lanes f6x_wide_2 = wide_across[41*step];
+		const rneagen_lanes f5z_wide = RNEA_LANES_FMA(t64, f6z_wide_2, t63*f6x_wide_2);
+		const rneagen_lanes t179 = RNEA_LANES_FMA(-t63, f6z_wide_2, t64*f6x_wide_2);
+		const rneagen_lanes t60 = wide_across[13*step];
+		const rneagen_lanes n5y_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.00319), t60,
+			RNEA_LANES_FMA(RNEA_LANES(-0.016,
+			-0.016), t179, RNEA_LANES(1.0, -1.0)*n6y_wide));
 		const double n14y = n6y_wide[1];
 		tau[13*stride] = -n14y;
-		const rneagen_lanes a5x_wide = wide_across[10*step];
-		const rneagen_lanes f5x_wide = RNEA_LANES_FMA(RNEA_SPLAT(3.899), a5x_wide, t180);
-		const rneagen_lanes n4z_wide = wide_across[8*step];
-		const rneagen_lanes t58 = wide_across[13*step];
-		const rneagen_lanes t59 = wide_across[12*step];
-		const rneagen_lanes n4z_wide_2 = n4z_wide + RNEA_LANES_FMA(RNEA_LANES(0.11, -0.11), f5x_wide,
-			RNEA_LANES_FMA(-t58, n5y_wide_2, t59*n5z_wide_2));
-		const rneagen_lanes n4y_wide = wide_across[9*step];
-		const rneagen_lanes n4y_wide_2 = n4y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.245), f5x_wide,
-			RNEA_LANES_FMA(t59,
-			n5y_wide_2, t58*n5z_wide_2));
-		const rneagen_lanes f4x_wide = wide_across[11*step];
-		const rneagen_lanes f4x_wide_2 = f4x_wide + f5x_wide;
 		const double n5x = n5x_wide[0];
 		tau[4*stride] = -n5x;
 
 		/* ---- back from link 5 "l_scap" to link 4 (bpass): torque of "l_arm_shx" ---- */
-		const rneagen_lanes t182 = RNEA_LANES_FMA(t59, f5y_wide, t58*f5z_wide);
-		const rneagen_lanes t183 = RNEA_LANES_FMA(-t58, f5y_wide, t59*f5z_wide);
+		const rneagen_lanes t54 = wide_across[8*step];
+		const rneagen_lanes t53 = wide_across[9*step];
+		const rneagen_lanes t181 = RNEA_LANES_FMA(t54, f5y_wide, t53*f5z_wide);
+		const rneagen_lanes t182 = RNEA_LANES_FMA(-t53, f5y_wide, t54*f5z_wide);
 		const rneagen_lanes n4x_wide = wide_across[5*step];
-		const rneagen_lanes n4x_wide_2 = n4x_wide + (n5x_wide + RNEA_LANES_FMA(RNEA_LANES(-0.11, 0.11), t183,
-			0.245*t182));
-		const rneagen_lanes f4y_wide = wide_across[7*step];
-		const rneagen_lanes f4y_wide_2 = f4y_wide + t182;
-		const rneagen_lanes f4z_wide = wide_across[6*step];
-		const rneagen_lanes f4z_wide_2 = f4z_wide + t183;
+		const rneagen_lanes n4x_wide_2 = n4x_wide + RNEA_LANES_FMA(RNEA_LANES(1.0, -1.0), n5x_wide,
+			-RNEA_LANES_FMA(RNEA_LANES(0.11, -0.11), t182, 0.23260000000000003*t181));
+		const rneagen_lanes t47 = wide_across[4*step];
+		const rneagen_lanes f4y_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.42889), t47, t181);
+		const rneagen_lanes t44 = wide_across[2*step];
+		const rneagen_lanes f4z_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.42889), t44, RNEA_LANES(1.0, -1.0)*t182);
 		const double n13x = n5x_wide[1];
 		tau[12*stride] = -n13x;
-		const double f4z = f4z_wide_2[0];
-		const double f3z = across[20*step];
+		const rneagen_lanes t50 = wide_across[6*step];
+		const rneagen_lanes f4x_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.42889), t50, RNEA_LANES(1.0, 1.0)*t179);
+		const double f4z = f4z_wide[0];
+		const double f3z = across[32*step];
 		const double f3z_2 = f3z + f4z;
+		const rneagen_lanes t183 = RNEA_LANES_FMA(RNEA_LANES(0.23260000000000003, 0.23260000000000003), t179,
+			RNEA_LANES_FMA(t54, n5y_wide, t53*n5z_wide));
+		const rneagen_lanes t184 = RNEA_LANES_FMA(RNEA_LANES(0.11, 0.11), t179, RNEA_LANES(1.0,
+			-1.0)*RNEA_LANES_FMA(-t53, n5y_wide, t54*n5z_wide));
+		const rneagen_lanes n4z_wide = wide_across[7*step];
+		const rneagen_lanes n4z_wide_2 = n4z_wide + t184;
+		const rneagen_lanes t45 = wide_across[3*step];
+		const rneagen_lanes n4y_wide = t183 - RNEA_LANES_FMA(RNEA_SPLAT(0.10375981400000002), t50, 0.01366*t45);
 		const double n4z = n4z_wide_2[0];
 		tau[3*stride] = n4z;
 
 		/* ---- back from link 4 "l_clav" to link 3 (bpass): torque of "l_arm_shz" ---- */
-		const rneagen_lanes t35 = wide_across[4*step];
-		const rneagen_lanes t36 = wide_across[3*step];
-		const rneagen_lanes t184 = RNEA_LANES_FMA(-t35, f4y_wide_2, t36*f4x_wide_2);
-		const rneagen_lanes t185 = RNEA_LANES_FMA(t35, f4x_wide_2, t36*f4y_wide_2);
-		const rneagen_lanes t186 = RNEA_LANES_FMA(-t35, n4y_wide_2, t36*n4x_wide_2);
-		const rneagen_lanes t187 = RNEA_LANES_FMA(t35, n4x_wide_2, t36*n4y_wide_2);
-		const rneagen_lanes t188 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t185, -t184);
-		const rneagen_lanes t189 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t184, -t185);
-		const double f3y = across[18*step];
-		const double f3y_2 = f3y + t189[0];
-		const double f3x = across[16*step];
-		const double f3x_2 = f3x + t188[0];
-		const rneagen_lanes t190 = RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 0.0), t187, -t186)
-			+ RNEA_LANES_FMA(RNEA_SPLAT(-0.4776), t189, RNEA_LANES(0.2256, -0.2256)*f4z_wide_2);
-		const rneagen_lanes t191 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, 0.0), t186, -t187)
-			+ RNEA_LANES_FMA(RNEA_SPLAT(-0.1406), f4z_wide_2, 0.4776*t188);
-		const double f12z = f4z_wide_2[1];
-		const double n3y = across[13*step];
-		const double n3y_2 = n3y + t191[0];
-		const double n3x = across[15*step];
-		const double n3x_2 = n3x + t190[0];
-		const rneagen_lanes t192 = n4z_wide_2 + RNEA_LANES_FMA(RNEA_LANES(-0.2256, 0.2256), t188, 0.1406*t189);
+		const rneagen_lanes sa4_wide = wide_across[0];
+		const rneagen_lanes ca4_wide = wide_across[step];
+		const rneagen_lanes t185 = RNEA_LANES_FMA(-sa4_wide, f4y_wide, ca4_wide*f4x_wide);
+		const rneagen_lanes t186 = RNEA_LANES_FMA(sa4_wide, f4x_wide, ca4_wide*f4y_wide);
+		const double f3y = across[29*step];
+		const double f3y_2 = f3y + t186[0];
+		const double f3x = across[31*step];
+		const double f3x_2 = f3x + t185[0];
+		const rneagen_lanes t187 = RNEA_LANES_FMA(sa4_wide, n4x_wide_2, ca4_wide*n4y_wide);
+		const rneagen_lanes t188 = RNEA_LANES_FMA(RNEA_LANES(0.2256, -0.2256), f4z_wide,
+			RNEA_LANES_FMA(-sa4_wide,
+			n4y_wide, ca4_wide*n4x_wide_2));
+		const double f12z = f4z_wide[1];
+		const double n3x = across[30*step];
+		const double n3x_2 = n3x + t188[0];
+		const double n3y = across[26*step];
+		const double n3y_2 = n3y + t187[0];
+		const rneagen_lanes t189 = RNEA_LANES_FMA(RNEA_LANES(-0.2256, 0.2256), t185, n4z_wide_2);
 		const double n12z = n4z_wide_2[1];
 		tau[11*stride] = n12z;
-		const double n3z = across[14*step];
-		const double n3z_2 = n3z + t192[0];
+		const double n3z = across[27*step];
+		const double n3z_2 = n3z + t189[0];
 
 		/* ---- out to link 11 "head" (fpass) ---- */
 		const double q11 = q[10*stride];
 		double s11, c11;
 		all_small &= rneagen_sincos_known(q11, known, sines + 18, &s11, &c11);
-		const double w3y = across[9*step];
+		const double sa11 = RNEA_FMA(-0.8960348338827716, c11, 0.44398375698743076*s11);
+		const double ca11 = RNEA_FMA(0.44398375698743076, c11, 0.8960348338827716*s11);
+		const double a3x = across[11*step];
+		const double t20 = across[21*step];
+		const double t21 = across[22*step];
+		const double t28 = across[24*step];
+		const double t190 = ca11*(a3x + RNEA_FMA(-0.11399999999999999, t20 + t21, 0.6215*t28));
+		const double a3z = across[20*step];
+		const double t30 = across[25*step];
+		const double t27 = across[23*step];
+		const double a11x = RNEA_FMA(a3z + RNEA_FMA(-0.6215, t30, 0.11399999999999999*t27), -sa11, t190);
+		const double w3y = across[16*step];
 		const double qd11 = qd[10*stride];
 		const double w11y = w3y + qd11;
-		const double dw3y = across[11*step];
+		const double dw3y = across[18*step];
 		const double qdd11 = qdd[10*stride];
 		const double dw11y = dw3y + qdd11;
-		const double w3z = across[10*step];
-		const double w3x = across[7*step];
-		const double w11z = RNEA_FMA(w3z, c11, w3x*s11);
-		const double w11x = RNEA_FMA(s11, -w3z, w3x*c11);
-		const double dw3z = across[12*step];
-		const double dw3x = across[8*step];
-		const double dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(s11, -dw3z, dw3x*c11));
-		const double dw11z = RNEA_FMA(qd11, w11x, RNEA_FMA(dw3z, c11, dw3x*s11));
-		const double t194 = across[21*step];
-		const double t193 = across[17*step];
-		const double a11z = RNEA_FMA(c11, t194, s11*t193);
-		const double a11x = RNEA_FMA(t194, -s11, c11*t193);
-		const double t195 = w11z*w11y;
-		const double t196 = w11z*w11z;
-		const double t200 = w11z*w11x;
-		const double t197 = w11y*w11y;
-		const double t204 = w11x*w11y;
-		const double t201 = w11x*w11x;
-		const double t198 = t195 - dw11x;
-		const double t199 = dw11x + t195;
-		const double t202 = t200 - dw11y;
-		const double t203 = dw11y + t200;
-		const double t205 = t204 - dw11z;
-		const double t209 = RNEA_FMA(2.8062844640453003e-06, t199, RNEA_FMA(3.9827336694684e-06, t205,
-			RNEA_FMA(-0.005634444453194253, t200, 0.0205378789418435*dw11y)));
-		const double f11x = RNEA_FMA(2.087564, a11x, RNEA_FMA(0.054420420656, t203, RNEA_FMA(7.09504993e-05,
-			t205,
-			0.109829676908*(t196 + t197))));
-		const double t210 = RNEA_FMA(-3.9827336694684e-06, t203, RNEA_FMA(-0.0024130603412908323, t198,
-			RNEA_FMA(0.019152684977701343, dw11z, 0.007019638417336408*t204)));
-		const double t206 = dw11z + t204;
-		const double t208 = RNEA_FMA(0.0024130603412908323, t206, RNEA_FMA(-2.8062844640453003e-06, t202,
-			RNEA_FMA(-0.0013851939641421555, t195, 0.013518240524507091*dw11x)));
-		const double f11z = RNEA_FMA(2.087564, a11z, RNEA_FMA(-0.054420420656, t197 + t201,
-			RNEA_FMA(-0.109829676908,
-			t202, 7.09504993e-05*t199)));
-		const double t207 = RNEA_FMA(0.054420420656, t198, -RNEA_FMA(7.09504993e-05, t196 + t201,
-			0.109829676908*t206));
-		const double a11y = across[19*step];
-		const double f11y = RNEA_FMA(2.087564, a11y, t207);
-		const double f3y_3 = f3y_2 + f11y;
-		const double f3y_4 = f3y_3 + t189[1];
-		const double n11x = RNEA_FMA(-0.054420420656, a11y, 7.09504993e-05*a11z)
-			+ RNEA_FMA(-3.9827336694684e-06, t197
-			- t196, t208);
-		const double n11y = RNEA_FMA(0.054420420656, a11x, 0.109829676908*a11z)
-			+ RNEA_FMA(0.0024130603412908323, t196
-			- t201, t209);
-		const double n11z = RNEA_FMA(2.8062844640453003e-06, t201 - t197, t210) - RNEA_FMA(0.109829676908, a11y,
-			7.09504993e-05*a11x);
-		const double n3z_3 = n3z_2 + RNEA_FMA(0.2546, f11y, RNEA_FMA(-s11, n11x, c11*n11z));
-		const double n3x_3 = n3x_2 + RNEA_FMA(-0.6215, f11y, RNEA_FMA(s11, n11z, c11*n11x));
-		const double n3x_4 = n3x_3 + t190[1];
+		const double w3z = across[17*step];
+		const double w3x = across[14*step];
+		const double w11z = RNEA_FMA(w3z, ca11, w3x*sa11);
+		const double w11x = RNEA_FMA(sa11, -w3z, w3x*ca11);
+		const double dw3z = across[19*step];
+		const double dw3x = across[15*step];
+		const double dw11x = RNEA_FMA(w11z, -qd11, RNEA_FMA(sa11, -dw3z, dw3x*ca11));
+		const double dw11z = RNEA_FMA(qd11, w11x, RNEA_FMA(dw3z, ca11, dw3x*sa11));
+		const double t191 = w11z*w11y;
+		const double t192 = w11z*w11z;
+		const double t195 = w11z*w11x;
+		const double t193 = w11y*w11y;
+		const double t198 = w11x*w11y;
+		const double t196 = w11x*w11x;
+		const double t194 = t191 - dw11x;
+		const double f3y_3 = RNEA_FMA(0.12257299912334552, t194, f3y_2);
+		const double f3y_4 = f3y_3 + t186[1];
+		const double t197 = dw11y + t195;
+		const double f11x = 0.12257299912334552*t197;
+		const double t202 = RNEA_FMA(-4.282797691219549e-06, t197, RNEA_FMA(-0.0007797945443042606, t194,
+			RNEA_FMA(-0.007253005378025528, dw11z, 0.0205378789418435*t198)));
+		const double n11z = RNEA_FMA(-2.322723382399148e-06, t196 - t193, t202);
+		const double t199 = 0.12257299912334552*(t193 + t196);
+		const double t200 = RNEA_FMA(0.0007797945443042606, dw11z + t198, RNEA_FMA(-0.02779088431986903, t191,
+			2.322723382399148e-06*(t195 - dw11y)));
+		const double t201 = RNEA_FMA(4.282797691219549e-06, t198 - dw11z, RNEA_FMA(0.0205378789418435, dw11y,
+			0.007253005378025528*t195));
+		const double n11y = RNEA_FMA(0.12257299912334552, a11x, RNEA_FMA(0.0007797945443042606, t192 - t196,
+			RNEA_FMA(-2.322723382399148e-06, dw11x + t191, t201)));
+		const double a11y = across[28*step];
+		const double n11x = RNEA_FMA(-0.12257299912334552, a11y, RNEA_FMA(-4.282797691219549e-06, t193 - t192,
+			t200));
+		const double n3z_3 = n3z_2 + RNEA_FMA(0.013973321900061387, t194, RNEA_FMA(-sa11, n11x, ca11*n11z));
+		const double n3x_3 = n3x_2 + RNEA_FMA(-0.07617911895515925, t194, RNEA_FMA(sa11, n11z, ca11*n11x));
+		const double n3x_4 = n3x_3 + t188[1];
 		tau[2*stride] = n3x_4;
-		const double n3z_4 = n3z_3 + t192[1];
+		const double n3z_4 = n3z_3 + t189[1];
 		tau[10*stride] = n11y;
 
 		/* ---- back from link 11 "head" to link 3 (bpass): torque of "neck_ay" ---- */
-		const double t211 = RNEA_FMA(-s11, f11x, c11*f11z);
-		const double t212 = RNEA_FMA(s11, f11z, c11*f11x);
-		const double n3y_3 = n3y_2 + (n11y + RNEA_FMA(-0.2546, t211, 0.6215*t212));
-		const double f3x_3 = f3x_2 + t212;
-		const double f3x_4 = f3x_3 + t188[1];
-		const double f3z_3 = f3z_2 + t211;
+		const double t203 = RNEA_FMA(ca11, t199, sa11*f11x);
+		const double t204 = RNEA_FMA(-sa11, t199, ca11*f11x);
+		const double n3y_3 = n3y_2 + (n11y + RNEA_FMA(0.6215, t204, 0.11399999999999999*t203));
+		const double f3z_3 = f3z_2 - t203;
 		const double f3z_4 = f3z_3 + f12z;
-		const double n2x = across[2*step];
-		const double s3 = across[5*step];
-		const double c3 = across[6*step];
-		const double n2x_2 = n2x + RNEA_FMA(-0.05, RNEA_FMA(-s3, f3z_4, c3*f3y_4), n3x_4);
-		const double n3y_4 = n3y_3 + t191[1];
-		const double n2z = across[3*step];
-		const double n2z_2 = n2z + RNEA_FMA(s3, n3y_4, c3*n3z_4);
-		const double n2y = across[4*step];
-		const double n2y_2 = n2y + RNEA_FMA(0.05, f3x_4, RNEA_FMA(-s3, n3z_4, c3*n3y_4));
+		const double f3x_3 = f3x_2 + t204;
+		const double f3x_4 = f3x_3 + t185[1];
+		const double s3 = across[12*step];
+		const double c3 = across[13*step];
+		const double t206 = RNEA_FMA(-0.1406, RNEA_FMA(s3, f3y_4, c3*f3z_4), 0.05*f3x_4);
+		const double t205 = RNEA_FMA(-s3, f3z_4, c3*f3y_4);
+		const double n2x = across[10*step];
+		const double n2x_2 = n2x + RNEA_FMA(-0.05, t205, n3x_4);
+		const double n3y_4 = n3y_3 + t187[1];
+		const double n2z = across[9*step];
+		const double n2z_2 = n2z + RNEA_FMA(0.1406, t205, RNEA_FMA(s3, n3y_4, c3*n3z_4));
+		const double n2y = across[6*step];
+		const double n2y_2 = n2y + (RNEA_FMA(-s3, n3z_4, c3*n3y_4) + t206);
 		tau[stride] = n2y_2;
 		const double qdd1 = qdd[0];
 		const double s2 = across[0];
 		const double c2 = across[step];
-		const double n1z = RNEA_FMA(0.002034694245187647, qdd1, RNEA_FMA(n2x_2, -s2, c2*n2z_2));
+		const double n1z = RNEA_FMA(0.2619409395014087, qdd1, RNEA_FMA(n2x_2, -s2, c2*n2z_2));
 		tau[0] = n1z;
 
 		/* ---- out to link 19 "l_uglut" (fpass) ---- */
 		const double qd19 = qd[18*stride];
 		const double qd25 = qd[24*stride];
-		const rneagen_lanes t213 = RNEA_LANES(qd19, qd25);
+		const rneagen_lanes t207 = RNEA_LANES(qd19, qd25);
 		const double qdd19 = qdd[18*stride];
 		const double qdd25 = qdd[24*stride];
-		const rneagen_lanes t214 = RNEA_LANES(qdd19, qdd25);
-		wide_across[22*step] = t214;
+		const rneagen_lanes t208 = RNEA_LANES(qdd19, qdd25);
+		wide_across[21*step] = t208;
 
 		/* ---- out to link 20 "l_lglut" (fpass) ---- */
 		const double q20 = q[19*stride];
@@ -2639,72 +2555,70 @@ static RNEA_INLINE int atlas_rnea_beside_segment3(const double *first_q, const d
 		const double q26 = q[25*stride];
 		double s26, c26;
 		all_small &= rneagen_sincos_known(q26, known, sines + 44, &s26, &c26);
-		const rneagen_lanes t216 = RNEA_LANES(c20, c26);
-		wide_across[23*step] = t216;
-		const rneagen_lanes t215 = RNEA_LANES(s20, s26);
-		wide_across[26*step] = t215;
+		const rneagen_lanes t210 = RNEA_LANES(c20, c26);
+		wide_across[22*step] = t210;
+		const rneagen_lanes t209 = RNEA_LANES(s20, s26);
+		wide_across[25*step] = t209;
 		const double qd20 = qd[19*stride];
 		const double qd26 = qd[25*stride];
-		const rneagen_lanes t217 = RNEA_LANES(qd20, qd26);
-		wide_across[33*step] = t217;
+		const rneagen_lanes t211 = RNEA_LANES(qd20, qd26);
+		wide_across[26*step] = t211;
 		const double qdd20 = qdd[19*stride];
 		const double qdd26 = qdd[25*stride];
-		const rneagen_lanes t218 = RNEA_LANES(qdd20, qdd26);
-		wide_across[34*step] = t218;
-		const rneagen_lanes w20y_wide = t213*t215;
-		wide_across[36*step] = w20y_wide;
-		const rneagen_lanes w20z_wide = t213*t216;
-		wide_across[37*step] = w20z_wide;
-		const rneagen_lanes t219 = t217*w20z_wide;
-		const rneagen_lanes t220 = t217*w20y_wide;
-		const rneagen_lanes dw20y_wide = RNEA_LANES_FMA(t214, t215, t219);
-		wide_across[45*step] = dw20y_wide;
-		const rneagen_lanes dw20z_wide = RNEA_LANES_FMA(t214, t216, -t220);
-		wide_across[46*step] = dw20z_wide;
-		const rneagen_lanes t221 = w20y_wide*w20z_wide;
-		const rneagen_lanes t222 = w20z_wide*w20z_wide;
-		const rneagen_lanes t223 = w20y_wide*w20y_wide;
-		const rneagen_lanes t224 = t221 - t218;
-		const rneagen_lanes t225 = t218 + t221;
-		const rneagen_lanes t226 = t217*t217;
-		const rneagen_lanes t227 = t219 - dw20y_wide;
-		const rneagen_lanes t228 = t219 + dw20y_wide;
-		const rneagen_lanes t229 = t220 - dw20z_wide;
-		const rneagen_lanes t232 = RNEA_LANES_FMA(RNEA_LANES(-0.00022657231325511998, 0.00022657231325511998),
-			t225,
-			RNEA_LANES_FMA(RNEA_LANES(-0.00061559686104864, 0.00061559686104864), t229,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.0023026633314053), dw20y_wide, 0.0003412337232385399*t219)));
-		const rneagen_lanes t237 = RNEA_LANES_FMA(RNEA_SPLAT(-0.066), t228, RNEA_LANES_FMA(RNEA_SPLAT(-0.05),
-			t222
-			+ t223, RNEA_LANES(0.0225, -0.0225)*t229));
-		wide_across[47*step] = t237;
-		const rneagen_lanes t233 = RNEA_LANES_FMA(RNEA_LANES(0.00061559686104864, -0.00061559686104864), t228,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.00037615682507336), t224,
-				RNEA_LANES_FMA(RNEA_SPLAT(0.00148553465650226),
-			dw20z_wide, 0.00047589495166449995*t220)));
-		const rneagen_lanes t230 = t220 + dw20z_wide;
-		const rneagen_lanes a21y_wide = RNEA_LANES_FMA(RNEA_SPLAT(9.81), t215,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.066), t224,
-			RNEA_LANES_FMA(RNEA_LANES(-0.0225, 0.0225), t222 + t226, 0.05*t230)));
-		wide_across[48*step] = a21y_wide;
-		const rneagen_lanes t231 = RNEA_LANES_FMA(RNEA_SPLAT(0.00037615682507336), t230,
-			RNEA_LANES_FMA(RNEA_LANES(0.00022657231325511998, -0.00022657231325511998), t227,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.0008171286749030399), t221, 0.0018267683797407999*t218)));
-		const rneagen_lanes t238 = RNEA_LANES_FMA(RNEA_SPLAT(9.81), t216, RNEA_LANES_FMA(RNEA_SPLAT(0.066), t223
-			+ t226,
-			RNEA_LANES_FMA(RNEA_LANES(0.0225, -0.0225), t225, 0.05*t227)));
-		wide_across[49*step] = t238;
-		const rneagen_lanes n20x_wide = RNEA_LANES_FMA(RNEA_LANES(0.150185833992, -0.150185833992), t216,
-			0.274898464776*t215) + RNEA_LANES_FMA(RNEA_LANES(0.00061559686104864, -0.00061559686104864),
-				t223
-			- t222, t231);
-		wide_across[50*step] = n20x_wide;
-		const rneagen_lanes n20y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.11746515385800001), t216,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.00037615682507336), t222 - t226, t232));
-		wide_across[51*step] = n20y_wide;
-		const rneagen_lanes n20z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.11746515385800001), t215,
-			RNEA_LANES_FMA(RNEA_LANES(-0.00022657231325511998, 0.00022657231325511998), t226 - t223, t233));
-		wide_across[52*step] = n20z_wide;
+		const rneagen_lanes t212 = RNEA_LANES(qdd20, qdd26);
+		wide_across[27*step] = t212;
+		const rneagen_lanes w20y_wide = t207*t209;
+		wide_across[28*step] = w20y_wide;
+		const rneagen_lanes w20z_wide = t207*t210;
+		wide_across[29*step] = w20z_wide;
+		const rneagen_lanes t213 = t211*w20z_wide;
+		const rneagen_lanes t214 = t211*w20y_wide;
+		const rneagen_lanes dw20y_wide = RNEA_LANES_FMA(t208, t209, t213);
+		wide_across[30*step] = dw20y_wide;
+		const rneagen_lanes dw20z_wide = RNEA_LANES_FMA(t208, t210, -t214);
+		wide_across[31*step] = dw20z_wide;
+		const rneagen_lanes t215 = w20y_wide*w20z_wide;
+		const rneagen_lanes t216 = w20z_wide*w20z_wide;
+		const rneagen_lanes t217 = w20y_wide*w20y_wide;
+		const rneagen_lanes t218 = t215 - t212;
+		const rneagen_lanes t219 = t212 + t215;
+		const rneagen_lanes t220 = t211*t211;
+		const rneagen_lanes t221 = t213 - dw20y_wide;
+		const rneagen_lanes t222 = t213 + dw20y_wide;
+		const rneagen_lanes t223 = t214 - dw20z_wide;
+		const rneagen_lanes t226 = RNEA_LANES_FMA(RNEA_LANES(-0.009456072313255121, 0.009456072313255121), t219,
+			RNEA_LANES_FMA(RNEA_LANES(-0.012798536861048641, 0.012798536861048641), t223,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.4193959223250969), dw20y_wide, 0.4935130673797408*t213)));
+		const rneagen_lanes t231 = RNEA_LANES_FMA(RNEA_SPLAT(-0.066), t222, RNEA_LANES_FMA(RNEA_SPLAT(-0.05),
+			t216
+			+ t217, RNEA_LANES(0.0225, -0.0225)*t223));
+		wide_across[32*step] = t231;
+		const rneagen_lanes t227 = RNEA_LANES_FMA(RNEA_LANES(0.012798536861048641, -0.012798536861048641), t222,
+			-RNEA_LANES_FMA(RNEA_SPLAT(0.027449356825073365), t218, 0.9129089897048378*t214));
+		const rneagen_lanes t224 = t214 + dw20z_wide;
+		const rneagen_lanes a21y_wide = RNEA_LANES_FMA(RNEA_SPLAT(9.81), t209,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.066), t218,
+			RNEA_LANES_FMA(RNEA_LANES(-0.0225, 0.0225), t216 + t220, 0.05*t224)));
+		wide_across[33*step] = a21y_wide;
+		const rneagen_lanes t225 = RNEA_LANES_FMA(RNEA_SPLAT(0.027449356825073365), t224,
+			RNEA_LANES_FMA(RNEA_LANES(0.009456072313255121, -0.009456072313255121), t221,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.4935130673797408), t212, 0.4193959223250969*t215)));
+		const rneagen_lanes t232 = RNEA_LANES_FMA(RNEA_SPLAT(9.81), t210, RNEA_LANES_FMA(RNEA_SPLAT(0.066), t217
+			+ t220,
+			RNEA_LANES_FMA(RNEA_LANES(0.0225, -0.0225), t219, 0.05*t221)));
+		wide_across[34*step] = t232;
+		const rneagen_lanes n20x_wide = RNEA_LANES_FMA(RNEA_LANES(1.9610137339920002, -1.9610137339920002),
+			t210,
+			5.586660304776001*t209) + RNEA_LANES_FMA(RNEA_LANES(0.012798536861048641,
+				-0.012798536861048641), t217
+			- t216, t225);
+		wide_across[35*step] = n20x_wide;
+		const rneagen_lanes n20y_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.027449356825073365), t216 - t220, t226);
+		wide_across[36*step] = n20y_wide;
+		const rneagen_lanes n20z_wide = RNEA_LANES_FMA(RNEA_LANES(-0.009456072313255121, 0.009456072313255121),
+			t220
+			- t217, t227);
+		wide_across[44*step] = n20z_wide;
 	}
 	return all_small;
 }
@@ -2733,51 +2647,50 @@ static RNEA_INLINE int atlas_rnea_beside_segment4(const double *first_q, const d
 		const double q27 = q[26*stride];
 		double s27, c27;
 		all_small &= rneagen_sincos_known(q27, known, sines + 46, &s27, &c27);
-		const rneagen_lanes t235 = RNEA_LANES(c21, c27);
-		const rneagen_lanes t234 = RNEA_LANES(s21, s27);
+		const rneagen_lanes t229 = RNEA_LANES(c21, c27);
+		const rneagen_lanes t228 = RNEA_LANES(s21, s27);
 		const double qd21 = qd[20*stride];
 		const double qd27 = qd[26*stride];
-		const rneagen_lanes t236 = RNEA_LANES(qd21, qd27);
-		const rneagen_lanes w20y_wide = wide_across[36*step];
-		const rneagen_lanes w21y_wide = w20y_wide + t236;
-		const rneagen_lanes dw20y_wide = wide_across[45*step];
+		const rneagen_lanes t230 = RNEA_LANES(qd21, qd27);
+		const rneagen_lanes w20y_wide = wide_across[28*step];
+		const rneagen_lanes w21y_wide = w20y_wide + t230;
+		const rneagen_lanes dw20y_wide = wide_across[30*step];
 		const double qdd21 = qdd[20*stride];
 		const double qdd27 = qdd[26*stride];
 		const rneagen_lanes dw21y_wide = dw20y_wide + RNEA_LANES(qdd21, qdd27);
-		const rneagen_lanes w20z_wide = wide_across[37*step];
-		const rneagen_lanes t217 = wide_across[33*step];
-		const rneagen_lanes w21z_wide = RNEA_LANES_FMA(w20z_wide, t235, t217*t234);
-		const rneagen_lanes w21x_wide = RNEA_LANES_FMA(t234, -w20z_wide, t217*t235);
-		const rneagen_lanes dw20z_wide = wide_across[46*step];
-		const rneagen_lanes t218 = wide_across[34*step];
-		const rneagen_lanes dw21x_wide = RNEA_LANES_FMA(w21z_wide, -t236, RNEA_LANES_FMA(t234, -dw20z_wide,
-			t218*t235));
-		const rneagen_lanes dw21z_wide = RNEA_LANES_FMA(t236, w21x_wide, RNEA_LANES_FMA(dw20z_wide, t235,
-			t218*t234));
-		const rneagen_lanes t238 = wide_across[49*step];
-		const rneagen_lanes t237 = wide_across[47*step];
-		const rneagen_lanes a21z_wide = RNEA_LANES_FMA(t235, t238, t234*t237);
-		const rneagen_lanes a21x_wide = RNEA_LANES_FMA(t238, -t234, t235*t237);
-		const rneagen_lanes t239 = w21z_wide*w21y_wide;
-		const rneagen_lanes t240 = w21y_wide*w21y_wide;
-		const rneagen_lanes t241 = t239 - dw21x_wide;
-		const rneagen_lanes a21y_wide = wide_across[48*step];
-		const rneagen_lanes n21x_wide = RNEA_LANES_FMA(RNEA_SPLAT(1.7228400000000001), a21y_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.4317964), t239, 0.4517964*dw21x_wide));
-		const rneagen_lanes t242 = w21z_wide*w21x_wide;
-		const rneagen_lanes t243 = dw21y_wide + t242;
-		const rneagen_lanes t244 = RNEA_LANES_FMA(w21x_wide, w21x_wide, t240);
-		const rneagen_lanes t248 = a21x_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.374), t243,
+		const rneagen_lanes w20z_wide = wide_across[29*step];
+		const rneagen_lanes t211 = wide_across[26*step];
+		const rneagen_lanes w21z_wide = RNEA_LANES_FMA(w20z_wide, t229, t211*t228);
+		const rneagen_lanes w21x_wide = RNEA_LANES_FMA(t228, -w20z_wide, t211*t229);
+		const rneagen_lanes dw20z_wide = wide_across[31*step];
+		const rneagen_lanes t212 = wide_across[27*step];
+		const rneagen_lanes dw21x_wide = RNEA_LANES_FMA(w21z_wide, -t230, RNEA_LANES_FMA(t228, -dw20z_wide,
+			t212*t229));
+		const rneagen_lanes dw21z_wide = RNEA_LANES_FMA(t230, w21x_wide, RNEA_LANES_FMA(dw20z_wide, t229,
+			t212*t228));
+		const rneagen_lanes t232 = wide_across[34*step];
+		const rneagen_lanes t231 = wide_across[32*step];
+		const rneagen_lanes a21z_wide = RNEA_LANES_FMA(t229, t232, t228*t231);
+		const rneagen_lanes a21x_wide = RNEA_LANES_FMA(t232, -t228, t229*t231);
+		const rneagen_lanes t233 = w21z_wide*w21y_wide;
+		const rneagen_lanes t234 = w21y_wide*w21y_wide;
+		const rneagen_lanes t235 = t233 - dw21x_wide;
+		const rneagen_lanes a21y_wide = wide_across[33*step];
+		const rneagen_lanes n21x_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.8835928), t233,
+			1.7228400000000001*a21y_wide);
+		const rneagen_lanes t236 = w21z_wide*w21x_wide;
+		const rneagen_lanes t237 = dw21y_wide + t236;
+		const rneagen_lanes t238 = w21x_wide*w21y_wide;
+		const rneagen_lanes a22y_wide = a21y_wide - RNEA_LANES_FMA(RNEA_SPLAT(0.374), t235, 0.05*(dw21z_wide
+			+ t238));
+		const rneagen_lanes n21z_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.4317964), dw21z_wide, 0.4517964*t238);
+		const rneagen_lanes t239 = RNEA_LANES_FMA(w21x_wide, w21x_wide, t234);
+		const rneagen_lanes t243 = a21x_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.374), t237,
 			0.05*RNEA_LANES_FMA(w21z_wide,
-			w21z_wide, t240));
-		const rneagen_lanes f21x_wide = RNEA_LANES_FMA(RNEA_SPLAT(-1.7228400000000001), t243, 8.204*a21x_wide);
+			w21z_wide, t234));
 		const rneagen_lanes n21y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-1.7228400000000001), a21x_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.4517964), dw21y_wide, 0.4317964*t242));
-		const rneagen_lanes t249 = a21z_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.05), t242 - dw21y_wide, 0.374*t244);
-		const rneagen_lanes f21z_wide = RNEA_LANES_FMA(RNEA_SPLAT(8.204), a21z_wide, 1.7228400000000001*t244);
-		const rneagen_lanes f21y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-1.7228400000000001), t241, 8.204*a21y_wide);
-		const rneagen_lanes a22y_wide = a21y_wide - RNEA_LANES_FMA(RNEA_SPLAT(0.374), t241,
-			0.05*RNEA_LANES_FMA(w21x_wide, w21y_wide, dw21z_wide));
+			RNEA_LANES_FMA(RNEA_SPLAT(0.4517964), dw21y_wide, 0.4317964*t236));
+		const rneagen_lanes t244 = a21z_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.05), t236 - dw21y_wide, 0.374*t239);
 
 		/* ---- out to link 22 "l_lleg" (fpass) ---- */
 		const double q22 = q[21*stride];
@@ -2786,54 +2699,55 @@ static RNEA_INLINE int atlas_rnea_beside_segment4(const double *first_q, const d
 		const double q28 = q[27*stride];
 		double s28, c28;
 		all_small &= rneagen_sincos_known(q28, known, sines + 48, &s28, &c28);
-		const rneagen_lanes t246 = RNEA_LANES(c22, c28);
-		const rneagen_lanes t245 = RNEA_LANES(s22, s28);
+		const rneagen_lanes t241 = RNEA_LANES(c22, c28);
+		const rneagen_lanes t240 = RNEA_LANES(s22, s28);
 		const double qd22 = qd[21*stride];
 		const double qd28 = qd[27*stride];
-		const rneagen_lanes t247 = RNEA_LANES(qd22, qd28);
-		const rneagen_lanes w22y_wide = w21y_wide + t247;
+		const rneagen_lanes t242 = RNEA_LANES(qd22, qd28);
+		const rneagen_lanes w22y_wide = w21y_wide + t242;
 		const double qdd22 = qdd[21*stride];
 		const double qdd28 = qdd[27*stride];
 		const rneagen_lanes dw22y_wide = dw21y_wide + RNEA_LANES(qdd22, qdd28);
-		const rneagen_lanes w22z_wide = RNEA_LANES_FMA(w21z_wide, t246, w21x_wide*t245);
-		const rneagen_lanes w22x_wide = RNEA_LANES_FMA(t245, -w21z_wide, w21x_wide*t246);
-		const rneagen_lanes dw22x_wide = RNEA_LANES_FMA(w22z_wide, -t247, RNEA_LANES_FMA(t245, -dw21z_wide,
-			dw21x_wide*t246));
-		const rneagen_lanes dw22z_wide = RNEA_LANES_FMA(t247, w22x_wide, RNEA_LANES_FMA(dw21z_wide, t246,
-			dw21x_wide*t245));
-		const rneagen_lanes a22z_wide = RNEA_LANES_FMA(t246, t249, t245*t248);
-		const rneagen_lanes a22x_wide = RNEA_LANES_FMA(t249, -t245, t246*t248);
-		const rneagen_lanes t250 = w22z_wide*w22y_wide;
-		const rneagen_lanes t251 = w22z_wide*w22z_wide;
-		const rneagen_lanes t252 = w22y_wide*w22y_wide;
-		const rneagen_lanes t253 = t250 - dw22x_wide;
-		const rneagen_lanes t254 = w22z_wide*w22x_wide;
-		const rneagen_lanes t255 = w22x_wide*w22x_wide;
-		const rneagen_lanes t256 = dw22y_wide + t254;
-		const rneagen_lanes t257 = w22x_wide*w22y_wide;
-		const rneagen_lanes t258 = t252 + t255;
-		const rneagen_lanes t260 = RNEA_LANES_FMA(RNEA_SPLAT(-0.002155695), t251 - t255,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.23388954999999997), dw22y_wide, 0.22488052*t254));
-		const rneagen_lanes f22z_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.515), a22z_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.844305), t258, 0.004515*(t254 - dw22y_wide)));
-		const rneagen_lanes t265 = RNEA_LANES_FMA(RNEA_SPLAT(0.422), t258, a22z_wide);
-		const rneagen_lanes n22y_wide = t260 - RNEA_LANES_FMA(RNEA_SPLAT(0.844305), a22x_wide,
+		const rneagen_lanes w22z_wide = RNEA_LANES_FMA(w21z_wide, t241, w21x_wide*t240);
+		const rneagen_lanes w22x_wide = RNEA_LANES_FMA(t240, -w21z_wide, w21x_wide*t241);
+		const rneagen_lanes dw22x_wide = RNEA_LANES_FMA(w22z_wide, -t242, RNEA_LANES_FMA(t240, -dw21z_wide,
+			dw21x_wide*t241));
+		const rneagen_lanes dw22z_wide = RNEA_LANES_FMA(t242, w22x_wide, RNEA_LANES_FMA(dw21z_wide, t241,
+			dw21x_wide*t240));
+		const rneagen_lanes a22z_wide = RNEA_LANES_FMA(t241, t244, t240*t243);
+		const rneagen_lanes a22x_wide = RNEA_LANES_FMA(t244, -t240, t241*t243);
+		const rneagen_lanes t245 = w22z_wide*w22y_wide;
+		const rneagen_lanes t246 = w22z_wide*w22z_wide;
+		const rneagen_lanes t247 = w22y_wide*w22y_wide;
+		const rneagen_lanes t248 = t245 - dw22x_wide;
+		const rneagen_lanes t249 = w22z_wide*w22x_wide;
+		const rneagen_lanes t250 = w22x_wide*w22x_wide;
+		const rneagen_lanes t251 = dw22y_wide + t249;
+		const rneagen_lanes t252 = w22x_wide*w22y_wide;
+		const rneagen_lanes t253 = t247 + t250;
+		const rneagen_lanes t255 = RNEA_LANES_FMA(RNEA_SPLAT(-0.002155695), t246 - t250,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.68533249), dw22y_wide, 0.67632346*t249));
+		const rneagen_lanes f22z_wide = RNEA_LANES_FMA(RNEA_SPLAT(7.05), a22z_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(1.914075),
+			t253, 0.004515*(t249 - dw22y_wide)));
+		const rneagen_lanes t260 = RNEA_LANES_FMA(RNEA_SPLAT(0.422), t253, a22z_wide);
+		const rneagen_lanes n22y_wide = t255 - RNEA_LANES_FMA(RNEA_SPLAT(1.914075), a22x_wide,
 			0.004515*a22z_wide);
-		const rneagen_lanes f22x_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.515), a22x_wide,
-			-RNEA_LANES_FMA(RNEA_SPLAT(0.844305), t256, 0.004515*(t251 + t252)));
-		const rneagen_lanes t264 = RNEA_LANES_FMA(RNEA_SPLAT(-0.422), t256, a22x_wide);
-		const rneagen_lanes t259 = dw22z_wide + t257;
+		const rneagen_lanes f22x_wide = RNEA_LANES_FMA(RNEA_SPLAT(7.05), a22x_wide,
+			-RNEA_LANES_FMA(RNEA_SPLAT(1.914075), t251, 0.004515*(t246 + t247)));
+		const rneagen_lanes t259 = RNEA_LANES_FMA(RNEA_SPLAT(-0.422), t251, a22x_wide);
+		const rneagen_lanes t254 = dw22z_wide + t252;
 		const rneagen_lanes n22z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.004515), a22y_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.002155695), t253, RNEA_LANES_FMA(RNEA_SPLAT(-0.0009954850000000008),
-				t257,
-			0.010004515*dw22z_wide)));
-		const rneagen_lanes n22x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.844305), a22y_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.002155695), t259, RNEA_LANES_FMA(RNEA_SPLAT(-0.22388503499999998),
-				t250,
-			0.234885035*dw22x_wide)));
-		const rneagen_lanes f22y_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.515), a22y_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.844305), t253, 0.004515*t259));
-		const rneagen_lanes a23y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.422), t253, a22y_wide);
+			RNEA_LANES_FMA(RNEA_SPLAT(0.002155695), t248, RNEA_LANES_FMA(RNEA_SPLAT(-0.001005652400000001),
+				t252,
+			0.0100146824*dw22z_wide)));
+		const rneagen_lanes n22x_wide = RNEA_LANES_FMA(RNEA_SPLAT(1.914075), a22y_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.002155695), t254, RNEA_LANES_FMA(RNEA_SPLAT(-0.6753178075999999),
+				t245,
+			0.6863381424*dw22x_wide)));
+		const rneagen_lanes f22y_wide = RNEA_LANES_FMA(RNEA_SPLAT(7.05), a22y_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(-1.914075), t248, 0.004515*t254));
+		const rneagen_lanes a23y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.422), t248, a22y_wide);
 
 		/* ---- out to link 23 "l_talus" (fpass) ---- */
 		const double q23 = q[22*stride];
@@ -2842,30 +2756,29 @@ static RNEA_INLINE int atlas_rnea_beside_segment4(const double *first_q, const d
 		const double q29 = q[28*stride];
 		double s29, c29;
 		all_small &= rneagen_sincos_known(q29, known, sines + 50, &s29, &c29);
-		const rneagen_lanes t262 = RNEA_LANES(c23, c29);
-		const rneagen_lanes t261 = RNEA_LANES(s23, s29);
+		const rneagen_lanes t257 = RNEA_LANES(c23, c29);
+		const rneagen_lanes t256 = RNEA_LANES(s23, s29);
 		const double qd23 = qd[22*stride];
 		const double qd29 = qd[28*stride];
-		const rneagen_lanes t263 = RNEA_LANES(qd23, qd29);
-		const rneagen_lanes w23y_wide = w22y_wide + t263;
+		const rneagen_lanes t258 = RNEA_LANES(qd23, qd29);
+		const rneagen_lanes w23y_wide = w22y_wide + t258;
 		const double qdd23 = qdd[22*stride];
 		const double qdd29 = qdd[28*stride];
 		const rneagen_lanes dw23y_wide = dw22y_wide + RNEA_LANES(qdd23, qdd29);
-		const rneagen_lanes w23z_wide = RNEA_LANES_FMA(w22z_wide, t262, w22x_wide*t261);
-		const rneagen_lanes w23x_wide = RNEA_LANES_FMA(t261, -w22z_wide, w22x_wide*t262);
-		const rneagen_lanes dw23x_wide = RNEA_LANES_FMA(w23z_wide, -t263, RNEA_LANES_FMA(t261, -dw22z_wide,
-			dw22x_wide*t262));
-		const rneagen_lanes dw23z_wide = RNEA_LANES_FMA(t263, w23x_wide, RNEA_LANES_FMA(dw22z_wide, t262,
-			dw22x_wide*t261));
-		const rneagen_lanes a23z_wide = RNEA_LANES_FMA(t262, t265, t261*t264);
-		const rneagen_lanes a23x_wide = RNEA_LANES_FMA(t265, -t261, t262*t264);
-		const rneagen_lanes f23x_wide = 0.125*a23x_wide;
-		const rneagen_lanes n23x_wide = RNEA_LANES_FMA(RNEA_SPLAT(1.01674e-05), dw23x_wide,
-			4.5823499999999986e-06*(w23z_wide*w23y_wide));
-		const rneagen_lanes n23y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-2.842699999999999e-06), w23z_wide*w23x_wide,
-			8.42775e-06*dw23y_wide);
-		const rneagen_lanes n23z_wide = RNEA_LANES_FMA(RNEA_SPLAT(-1.7396499999999995e-06), w23x_wide*w23y_wide,
-			1.30101e-05*dw23z_wide);
+		const rneagen_lanes w23z_wide = RNEA_LANES_FMA(w22z_wide, t257, w22x_wide*t256);
+		const rneagen_lanes w23x_wide = RNEA_LANES_FMA(t256, -w22z_wide, w22x_wide*t257);
+		const rneagen_lanes dw23x_wide = RNEA_LANES_FMA(w23z_wide, -t258, RNEA_LANES_FMA(t256, -dw22z_wide,
+			dw22x_wide*t257));
+		const rneagen_lanes dw23z_wide = RNEA_LANES_FMA(t258, w23x_wide, RNEA_LANES_FMA(dw22z_wide, t257,
+			dw22x_wide*t256));
+		const rneagen_lanes a23z_wide = RNEA_LANES_FMA(t257, t260, t256*t259);
+		const rneagen_lanes a23x_wide = RNEA_LANES_FMA(t260, -t256, t257*t259);
+		const rneagen_lanes t261 = w23z_wide*w23x_wide;
+		const rneagen_lanes t262 = w23x_wide*w23y_wide;
+		const rneagen_lanes n23y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.06507), a23z_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.0097597327), t261, 0.00976531775*dw23y_wide));
+		const rneagen_lanes n23z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.06507), a23y_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.0097597327), dw23z_wide, 0.00976531775*t262));
 
 		/* ---- out to link 24 "l_foot" (fpass) ---- */
 		const double q24 = q[23*stride];
@@ -2874,69 +2787,63 @@ static RNEA_INLINE int atlas_rnea_beside_segment4(const double *first_q, const d
 		const double q30 = q[29*stride];
 		double s30, c30;
 		all_small &= rneagen_sincos_known(q30, known, sines + 52, &s30, &c30);
-		const rneagen_lanes t267 = RNEA_LANES(c24, c30);
-		const rneagen_lanes t266 = RNEA_LANES(s24, s30);
+		const rneagen_lanes t264 = RNEA_LANES(c24, c30);
+		const rneagen_lanes t263 = RNEA_LANES(s24, s30);
+		const rneagen_lanes a24y_wide = RNEA_LANES_FMA(a23y_wide, t264, a23z_wide*t263);
 		const double qd24 = qd[23*stride];
 		const double qd30 = qd[29*stride];
-		const rneagen_lanes t268 = RNEA_LANES(qd24, qd30);
-		const rneagen_lanes w24x_wide = w23x_wide + t268;
+		const rneagen_lanes t265 = RNEA_LANES(qd24, qd30);
+		const rneagen_lanes w24x_wide = w23x_wide + t265;
 		const double qdd24 = qdd[23*stride];
 		const double qdd30 = qdd[29*stride];
 		const rneagen_lanes dw24x_wide = dw23x_wide + RNEA_LANES(qdd24, qdd30);
-		const rneagen_lanes w24y_wide = RNEA_LANES_FMA(w23y_wide, t267, w23z_wide*t266);
-		const rneagen_lanes w24z_wide = RNEA_LANES_FMA(t266, -w23y_wide, w23z_wide*t267);
-		const rneagen_lanes dw24y_wide = RNEA_LANES_FMA(t268, w24z_wide, RNEA_LANES_FMA(dw23y_wide, t267,
-			dw23z_wide*t266));
-		const rneagen_lanes dw24z_wide = RNEA_LANES_FMA(w24y_wide, -t268, RNEA_LANES_FMA(t266, -dw23y_wide,
-			dw23z_wide*t267));
-		const rneagen_lanes a24y_wide = RNEA_LANES_FMA(a23y_wide, t267, a23z_wide*t266);
-		const rneagen_lanes a24z_wide = RNEA_LANES_FMA(t266, -a23y_wide, a23z_wide*t267);
-		const rneagen_lanes t269 = w24y_wide*w24z_wide;
-		const rneagen_lanes t270 = w24y_wide*w24y_wide;
-		const rneagen_lanes t272 = w24y_wide*w24x_wide;
-		const rneagen_lanes t274 = a24y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.067), t269 - dw24x_wide,
-			0.027*(dw24z_wide
-			+ t272));
-		const rneagen_lanes n24z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.06507), t274,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.008),
-			dw24z_wide, 0.005*t272));
-		const rneagen_lanes n24x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.16147000000000003), t274,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.002), dw24x_wide, 0.001*t269));
-		const rneagen_lanes f24y_wide = 2.41*t274;
-		const rneagen_lanes n23x_wide_2 = n23x_wide + n24x_wide;
-		const rneagen_lanes t271 = w24z_wide*w24x_wide;
-		const rneagen_lanes t275 = a24z_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.067), RNEA_LANES_FMA(w24x_wide,
-			w24x_wide,
-			t270), 0.027*(t271 - dw24y_wide));
-		const rneagen_lanes t273 = a23x_wide - RNEA_LANES_FMA(RNEA_SPLAT(0.067), dw24y_wide + t271,
-			0.027*RNEA_LANES_FMA(w24z_wide, w24z_wide, t270));
-		const rneagen_lanes n24y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.006), t271, 0.007*dw24y_wide)
-			- RNEA_LANES_FMA(RNEA_SPLAT(0.16147000000000003), t273, 0.06507*t275);
-		const rneagen_lanes f24z_wide = 2.41*t275;
-		const rneagen_lanes f23z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.125), a23z_wide, RNEA_LANES_FMA(t266,
-			f24y_wide,
-			t267*f24z_wide));
-		const rneagen_lanes f23y_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.125), a23y_wide, RNEA_LANES_FMA(f24z_wide,
-			-t266,
-			t267*f24y_wide));
+		const rneagen_lanes w24y_wide = RNEA_LANES_FMA(w23y_wide, t264, w23z_wide*t263);
+		const rneagen_lanes w24z_wide = RNEA_LANES_FMA(t263, -w23y_wide, w23z_wide*t264);
+		const rneagen_lanes dw24y_wide = RNEA_LANES_FMA(t265, w24z_wide, RNEA_LANES_FMA(dw23y_wide, t264,
+			dw23z_wide*t263));
+		const rneagen_lanes dw24z_wide = RNEA_LANES_FMA(w24y_wide, -t265, RNEA_LANES_FMA(t263, -dw23y_wide,
+			dw23z_wide*t264));
+		const rneagen_lanes t266 = w24y_wide*w24z_wide;
+		const rneagen_lanes t267 = t266 - dw24x_wide;
+		const rneagen_lanes t268 = w24z_wide*w24x_wide;
+		const rneagen_lanes t269 = w24x_wide*w24x_wide;
+		const rneagen_lanes t270 = w24y_wide*w24x_wide;
+		const rneagen_lanes f24z_wide = 0.16147000000000003*RNEA_LANES_FMA(w24y_wide, w24y_wide, t269);
+		const rneagen_lanes t272 = RNEA_LANES_FMA(RNEA_SPLAT(0.00435969), RNEA_LANES_FMA(w24z_wide, w24z_wide,
+			-t269),
+			RNEA_LANES_FMA(RNEA_SPLAT(0.009818490000000003), dw24y_wide, 0.012818490000000002*t268));
+		const rneagen_lanes t274 = RNEA_LANES_FMA(RNEA_SPLAT(0.16147000000000003), dw24y_wide + t268,
+			0.06507*RNEA_LANES_FMA(w23y_wide, w23y_wide, w23z_wide*w23z_wide));
+		const rneagen_lanes n24y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.16147000000000003), a23x_wide, t272);
+		const rneagen_lanes n24x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.16147000000000003), a24y_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.00435969), dw24z_wide + t270,
+			RNEA_LANES_FMA(RNEA_SPLAT(-0.009818490000000003), t266, 0.012818490000000002*dw24x_wide)));
+		const rneagen_lanes t273 = RNEA_LANES_FMA(RNEA_SPLAT(0.00435969), t267, 0.003*t270);
+		const rneagen_lanes t271 = 0.16147000000000003*t267;
+		const rneagen_lanes f23z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.06507), t261 - dw23y_wide,
+			RNEA_LANES_FMA(t271,
+			-t263, t264*f24z_wide));
+		const rneagen_lanes f23y_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.06507), dw23z_wide + t262,
+			-RNEA_LANES_FMA(t264,
+			t271, t263*f24z_wide));
 		const rneagen_lanes f22y_wide_2 = f22y_wide + f23y_wide;
-		const rneagen_lanes f21y_wide_2 = f21y_wide + f22y_wide_2;
-		const rneagen_lanes f23x_wide_2 = RNEA_LANES_FMA(RNEA_SPLAT(2.41), t273, f23x_wide);
-		const rneagen_lanes f22z_wide_2 = f22z_wide + RNEA_LANES_FMA(-t261, f23x_wide_2, t262*f23z_wide);
-		const rneagen_lanes t276 = RNEA_LANES_FMA(t261, f23z_wide, t262*f23x_wide_2);
-		const rneagen_lanes f22x_wide_2 = f22x_wide + t276;
-		const rneagen_lanes n23z_wide_2 = n23z_wide + RNEA_LANES_FMA(t266, n24y_wide, t267*n24z_wide);
-		const rneagen_lanes n23y_wide_2 = n23y_wide + RNEA_LANES_FMA(n24z_wide, -t266, t267*n24y_wide);
-		const rneagen_lanes n22y_wide_2 = n22y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.422), t276, n23y_wide_2);
-		const rneagen_lanes n22z_wide_2 = n22z_wide + RNEA_LANES_FMA(-t261, n23x_wide_2, t262*n23z_wide_2);
+		const rneagen_lanes f21y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-1.7228400000000001), t235, f22y_wide_2);
+		const rneagen_lanes f22z_wide_2 = f22z_wide + RNEA_LANES_FMA(t257, f23z_wide, t256*t274);
+		const rneagen_lanes t275 = RNEA_LANES_FMA(t274, -t257, t256*f23z_wide);
+		const rneagen_lanes f22x_wide_2 = f22x_wide + t275;
+		const rneagen_lanes n23z_wide_2 = n23z_wide + RNEA_LANES_FMA(t273, -t264, t263*n24y_wide);
+		const rneagen_lanes n23y_wide_2 = n23y_wide + RNEA_LANES_FMA(t264, n24y_wide, t263*t273);
+		const rneagen_lanes n22y_wide_2 = n22y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.422), t275, n23y_wide_2);
+		const rneagen_lanes n23x_wide = RNEA_LANES_FMA(RNEA_SPLAT(-5.585050000000002e-06), w23z_wide*w23y_wide,
+			n24x_wide);
+		const rneagen_lanes n22z_wide_2 = n22z_wide + RNEA_LANES_FMA(-t256, n23x_wide, t257*n23z_wide_2);
 		const rneagen_lanes n22x_wide_2 = n22x_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.422), f23y_wide,
-			RNEA_LANES_FMA(t261,
-			n23z_wide_2, t262*n23x_wide_2));
-		const rneagen_lanes n21z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.02), dw21z_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.05),
-			f22y_wide_2, RNEA_LANES_FMA(-t245, n22x_wide_2, t246*n22z_wide_2)));
+			RNEA_LANES_FMA(t256,
+			n23z_wide_2, t257*n23x_wide));
+		const rneagen_lanes n21z_wide_2 = n21z_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.05), f22y_wide_2,
+			RNEA_LANES_FMA(-t240, n22x_wide_2, t241*n22z_wide_2));
 		const rneagen_lanes n21x_wide_2 = n21x_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.374), f22y_wide_2,
-			RNEA_LANES_FMA(t245, n22z_wide_2, t246*n22x_wide_2));
+			RNEA_LANES_FMA(t240, n22z_wide_2, t241*n22x_wide_2));
 		const double n24x = n24x_wide[0];
 		const double n30x = n24x_wide[1];
 		tau[29*stride] = n30x;
@@ -2953,38 +2860,37 @@ static RNEA_INLINE int atlas_rnea_beside_segment4(const double *first_q, const d
 		tau[21*stride] = n22y;
 
 		/* ---- back from link 22 "l_lleg" to link 21 (bpass): torque of "l_leg_kny" ---- */
-		const rneagen_lanes t277 = RNEA_LANES_FMA(-t245, f22x_wide_2, t246*f22z_wide_2);
-		const rneagen_lanes t278 = RNEA_LANES_FMA(t245, f22z_wide_2, t246*f22x_wide_2);
-		const rneagen_lanes n21y_wide_2 = n21y_wide + (n22y_wide_2 + RNEA_LANES_FMA(RNEA_SPLAT(-0.374), t278,
-			0.05*t277));
-		const rneagen_lanes f21z_wide_2 = f21z_wide + t277;
-		const rneagen_lanes f21x_wide_2 = f21x_wide + t278;
+		const rneagen_lanes t276 = RNEA_LANES_FMA(-t240, f22x_wide_2, t241*f22z_wide_2);
+		const rneagen_lanes t277 = RNEA_LANES_FMA(t240, f22z_wide_2, t241*f22x_wide_2);
+		const rneagen_lanes n21y_wide_2 = n21y_wide + (n22y_wide_2 + RNEA_LANES_FMA(RNEA_SPLAT(-0.374), t277,
+			0.05*t276));
+		const rneagen_lanes f21z_wide = RNEA_LANES_FMA(RNEA_SPLAT(1.7228400000000001), t239, t276);
+		const rneagen_lanes f21x_wide = RNEA_LANES_FMA(RNEA_SPLAT(-1.7228400000000001), t237, t277);
 		const double n28y = n22y_wide_2[1];
 		tau[27*stride] = n28y;
 		const double n21y = n21y_wide_2[0];
 		tau[20*stride] = n21y;
 
 		/* ---- back from link 21 "l_uleg" to link 20 (bpass): torque of "l_leg_hpy" ---- */
-		const rneagen_lanes t279 = RNEA_LANES_FMA(-t234, f21x_wide_2, t235*f21z_wide_2);
-		const rneagen_lanes t280 = RNEA_LANES_FMA(t234, f21z_wide_2, t235*f21x_wide_2);
-		const rneagen_lanes n20y_wide = wide_across[51*step];
-		const rneagen_lanes n20y_wide_2 = n20y_wide + (n21y_wide_2 - RNEA_LANES_FMA(RNEA_SPLAT(0.066), t280,
-			0.05*t279));
-		const rneagen_lanes t282 = RNEA_LANES_FMA(t234, n21z_wide, t235*n21x_wide_2)
-			+ RNEA_LANES_FMA(RNEA_LANES(0.0225,
-			-0.0225), t279, 0.066*f21y_wide_2);
-		const rneagen_lanes t281 = RNEA_LANES_FMA(-t234, n21x_wide_2, t235*n21z_wide);
-		const rneagen_lanes n20z_wide = wide_across[52*step];
-		const rneagen_lanes n20z_wide_2 = n20z_wide + (t281 + RNEA_LANES_FMA(RNEA_LANES(-0.0225, 0.0225), t280,
-			0.05*f21y_wide_2));
-		const rneagen_lanes t214 = wide_across[22*step];
-		const rneagen_lanes t215 = wide_across[26*step];
-		const rneagen_lanes t216 = wide_across[23*step];
-		const rneagen_lanes n19z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.0004905759537860812), t214,
-			RNEA_LANES_FMA(t215,
-			n20y_wide_2, t216*n20z_wide_2));
-		const rneagen_lanes n20x_wide = wide_across[50*step];
-		const rneagen_lanes n20x_wide_2 = n20x_wide + t282;
+		const rneagen_lanes t278 = RNEA_LANES_FMA(-t228, f21x_wide, t229*f21z_wide);
+		const rneagen_lanes t279 = RNEA_LANES_FMA(t228, f21z_wide, t229*f21x_wide);
+		const rneagen_lanes n20y_wide = wide_across[36*step];
+		const rneagen_lanes n20y_wide_2 = n20y_wide + (n21y_wide_2 - RNEA_LANES_FMA(RNEA_SPLAT(0.066), t279,
+			0.05*t278));
+		const rneagen_lanes t281 = RNEA_LANES_FMA(t228, n21z_wide_2, t229*n21x_wide_2)
+			+ RNEA_LANES_FMA(RNEA_LANES(0.0225, -0.0225), t278, 0.066*f21y_wide);
+		const rneagen_lanes t280 = RNEA_LANES_FMA(-t228, n21x_wide_2, t229*n21z_wide_2);
+		const rneagen_lanes n20z_wide = wide_across[44*step];
+		const rneagen_lanes n20z_wide_2 = n20z_wide + (t280 + RNEA_LANES_FMA(RNEA_LANES(-0.0225, 0.0225), t279,
+			0.05*f21y_wide));
+		const rneagen_lanes t208 = wide_across[21*step];
+		const rneagen_lanes t209 = wide_across[25*step];
+		const rneagen_lanes t210 = wide_across[22*step];
+		const rneagen_lanes n19z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.4784357856102883), t208,
+			RNEA_LANES_FMA(t209,
+			n20y_wide_2, t210*n20z_wide_2));
+		const rneagen_lanes n20x_wide = wide_across[35*step];
+		const rneagen_lanes n20x_wide_2 = n20x_wide + t281;
 		const double n27y = n21y_wide_2[1];
 		tau[26*stride] = n27y;
 		const double n20x = n20x_wide_2[0];
@@ -5872,7 +5778,7 @@ RNEA_INFO const char atlas_info[] =
 	"input qd 30 f64 sample joint_velocity\n"
 	"input qdd 30 f64 sample joint_acceleration\n"
 	"output tau 30 f64 sample joint_torque\n"
-	"operations 618 310 140 129 800 27\n"
+	"operations 552 241 131 132 749 27\n"
 	"function fpass\n"
 	"input q 30 f64 sample joint_position\n"
 	"input qd 30 f64 sample joint_velocity\n"
@@ -5972,7 +5878,7 @@ static RNEA_ALONE void atlas_rnea_one5(const double *q, const double *qd, const 
 static void atlas_rnea_body(const double *q, const double *qd, const double *qdd, double *tau, const size_t stride,
 	const int known, const double *sines)
 {
-	double across[90];
+	double across[79];
 
 	atlas_rnea_one0(q, qd, qdd, tau, stride, across, known, sines);
 	atlas_rnea_one1(q, qd, qdd, tau, stride, across, known, sines);
@@ -5995,7 +5901,7 @@ static void atlas_rnea_any(const double *q, const double *qd, const double *qdd,
 static void atlas_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, size_t first, size_t end)
 {
-	double across[1440];
+	double across[1264];
 
 	for (size_t next; first < end; first = next) {
 		next = end - first < 16 ? end : first + 16;
@@ -6053,8 +5959,8 @@ static RNEA_ALONE void atlas_rnea_beside_one4(const double *q, const double *qd,
 static void atlas_rnea_beside_body(const double *q, const double *qd, const double *qdd, double *tau,
 	const size_t stride, const int known, const double *sines)
 {
-	double across[22];
-	rneagen_lanes wide_across[53];
+	double across[33];
+	rneagen_lanes wide_across[45];
 
 	atlas_rnea_beside_one0(q, qd, qdd, tau, stride, across, wide_across, known, sines);
 	atlas_rnea_beside_one1(q, qd, qdd, tau, stride, across, wide_across, known, sines);

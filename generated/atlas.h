@@ -4,10 +4,10 @@
  * from a URDF whose SHA-256 is
  *   f81b0e4cbc1902a82e8103815dbba18f4a14241a4c5448883373553e6c5b9460
  * nq = 30, nv = 30, nb = 30 (moving bodies). Operations:
- *   rnea: 618 mul, 310 add, 140 sub, 129 neg, 800 fma, 27 sincos = 2668 flops
+ *   rnea: 552 mul, 241 add, 131 sub, 132 neg, 749 fma, 27 sincos = 2422 flops
  *   fpass: 710 mul, 236 add, 198 sub, 180 neg, 798 fma, 27 sincos = 2740 flops
  *   bpass: 121 mul, 149 add, 12 sub, 36 neg, 161 fma, 27 sincos = 604 flops
- *   rnea is in 6 segments, each for several samples before the next; 90 values go across cuts
+ *   rnea is in 6 segments, each for several samples before the next; 79 values go across cuts
  *   fpass is in 7 segments, each for several samples before the next; 32 values go across cuts
  *   With vectors of 2 numbers a sample alone runs rnea_beside: 5 segments in lanes; its last bits may not be
  *   those of a batch. -DRNEA_NO_LANES leaves it out.
@@ -43,6 +43,10 @@
  *   q[27] qd[27] revolute "r_leg_kny", rad
  *   q[28] qd[28] revolute "r_leg_aky", rad
  *   q[29] qd[29] revolute "r_leg_akx", rad
+ * Parameters: base, of urdf with 2668 flops and base with 2422.
+ * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs
+ * feel of it. What the functions take and write is in the URDF's frames.
+ * fpass and bpass are computed by the URDF's constants.
  *
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
@@ -53,6 +57,7 @@
  *   q qd qdd         position, velocity and acceleration of the link's joint
  *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
  *   s c              sine and cosine of the joint's angle
+ *   sa ca            of the joint's angle and a constant one, by which the link's frame is turned ahead
  *   w                angular velocity
  *   dw               rate of the angular velocity
  *   v                velocity of the origin

@@ -4,7 +4,7 @@
  * from a URDF whose SHA-256 is
  *   a5084a53b69b76ed52287eaa8675aa3a3b92dfec962d22a4e2845fb16fa85d42
  * nq = 19, nv = 18, nb = 13 (moving bodies). Operations:
- *   rnea: 328 mul, 201 add, 106 sub, 93 neg, 575 fma, 12 sincos = 1785 flops
+ *   rnea: 316 mul, 177 add, 106 sub, 88 neg, 507 fma, 12 sincos = 1613 flops
  *   fpass: 339 mul, 136 add, 146 sub, 120 neg, 551 fma, 12 sincos = 1723 flops
  *   bpass: 56 mul, 72 add, 8 sub, 29 neg, 116 fma, 12 sincos = 368 flops
  *   rnea is in 4 segments, each for several samples before the next; 34 values go across cuts
@@ -26,6 +26,10 @@
  *   q[16] qd[15] revolute "rh_haa_joint", rad
  *   q[17] qd[16] revolute "rh_hfe_joint", rad
  *   q[18] qd[17] revolute "rh_kfe_joint", rad
+ * Parameters: base, of urdf with 1785 flops and base with 1613.
+ * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs
+ * feel of it. What the functions take and write is in the URDF's frames.
+ * fpass and bpass are computed by the URDF's constants.
  *
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
@@ -40,6 +44,7 @@
  *                    floating: with x y z qx qy qz qw after the number, and vx vy vz wx wy wz
  *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
  *   s c              sine and cosine of the joint's angle
+ *   sa ca            of the joint's angle and a constant one, by which the link's frame is turned ahead
  *   w                angular velocity
  *   dw               rate of the angular velocity
  *   v                velocity of the origin
@@ -186,31 +191,30 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 		const double t17 = qd0wx*qd0wy;
 		const double qdd0wz = qdd[5*stride];
 		const double t18 = t17 - qdd0wz;
-		const double t21 = RNEA_FMA(-0.045020362359999996, t11, RNEA_FMA(0.00915326907852, t18,
-			RNEA_FMA(-7.814626778932237, t12, 8.695237318507763*qdd0wy)));
+		const double t21 = RNEA_FMA(-0.04502036235999231, t11, RNEA_FMA(0.00915326907852, t18,
+			RNEA_FMA(-10.597734865101236, t12, 11.478345404676762*qdd0wy)));
 		const double n0y = RNEA_FMA(-3.4189836000000002, a0z, 0.2200155852*a0x) + RNEA_FMA(-0.21587546426503998,
 			t7
 			- t13, t21);
 		const double t19 = qdd0wz + t17;
 		const double t22 = RNEA_FMA(-0.00915326907852, t16, RNEA_FMA(0.21587546426503998, t10,
-			RNEA_FMA(9.4163573089,
-			qdd0wz, 7.093506788539999*t17)));
-		const double f0y = RNEA_FMA(60.978001, a0y, RNEA_FMA(0.2200155852, t10, RNEA_FMA(-1.3106418, t14,
+			RNEA_FMA(13.304798370464999, qdd0wz, 8.771281899313*t17)));
+		const double f0y = RNEA_FMA(86.774005, a0y, RNEA_FMA(0.2200155852, t10, RNEA_FMA(-1.3106418, t14,
 			3.4189836000000002*t19)));
 		const double t37 = 0.207*t14;
-		const double f0x = RNEA_FMA(60.978001, a0x, RNEA_FMA(0.2200155852, t16, RNEA_FMA(-3.4189836000000002,
+		const double f0x = RNEA_FMA(86.774005, a0x, RNEA_FMA(0.2200155852, t16, RNEA_FMA(-3.4189836000000002,
 			t9,
 			1.3106418*t18)));
 		const double t34 = 0.207*t18;
 		const double t33 = 0.3735*t9;
-		const double n0z = RNEA_FMA(-1.3106418, a0x, 3.4189836000000002*a0y) + RNEA_FMA(-0.045020362359999996,
+		const double n0z = RNEA_FMA(-1.3106418, a0x, 3.4189836000000002*a0y) + RNEA_FMA(-0.04502036235999231,
 			t13 - t8,
 			t22);
-		const double f0z = RNEA_FMA(60.978001, a0z, RNEA_FMA(-0.2200155852, t8 + t13, RNEA_FMA(1.3106418, t11,
+		const double f0z = RNEA_FMA(86.774005, a0z, RNEA_FMA(-0.2200155852, t8 + t13, RNEA_FMA(1.3106418, t11,
 			3.4189836000000002*t15)));
 		const double t40 = 0.207*t11;
-		const double t20 = RNEA_FMA(-0.21587546426503998, t19, RNEA_FMA(0.045020362359999996, t15,
-			RNEA_FMA(1.6017305299677633, qdd0wx, 0.7211199903922375*t6)));
+		const double t20 = RNEA_FMA(-0.21587546426503998, t19, RNEA_FMA(0.04502036235999231, t15,
+			RNEA_FMA(2.707063505363763, qdd0wx, 1.8264529657882373*t6)));
 		const double t39 = 0.3735*t15;
 		const double t36 = 0.3735*t19;
 		const double n0x = RNEA_FMA(-0.2200155852, a0y, 1.3106418*a0z) + RNEA_FMA(-0.00915326907852, t8 - t7,
@@ -225,47 +229,47 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 		const double t23 = 4.8965888601467475e-12*qd0wx;
 		const double t24 = qd0wz + RNEA_FMA(1.0127277222968137e-24, qd0wy, t23);
 		across[3*step] = t24;
-		const double t188 = t23 - qd0wz;
-		across[4*step] = t188;
+		const double t179 = t23 - qd0wz;
+		across[4*step] = t179;
 		const double t26 = 4.8965888601467475e-12*qd0wz;
 		const double t25 = RNEA_FMA(2.0682310711021444e-13, qd0wx, -qd0wy);
 		across[5*step] = t25;
 		const double t27 = t26 - RNEA_FMA(2.0682310711021444e-13, qd0wy, qd0wx);
 		across[6*step] = t27;
-		const double t189 = qd0wx + t26;
-		across[7*step] = t189;
+		const double t180 = qd0wx + t26;
+		across[7*step] = t180;
 		const double t28 = 4.8965888601467475e-12*qdd0wx;
 		const double t29 = qdd0wz + RNEA_FMA(1.0127277222968137e-24, qdd0wy, t28);
 		across[8*step] = t29;
-		const double t190 = t28 - qdd0wz;
-		across[9*step] = t190;
+		const double t181 = t28 - qdd0wz;
+		across[9*step] = t181;
 		const double t31 = 4.8965888601467475e-12*qdd0wz;
 		const double t30 = RNEA_FMA(2.0682310711021444e-13, qdd0wx, -qdd0wy);
 		across[10*step] = t30;
 		const double t32 = t31 - RNEA_FMA(2.0682310711021444e-13, qdd0wy, qdd0wx);
 		across[11*step] = t32;
-		const double t191 = qdd0wx + t31;
-		across[12*step] = t191;
+		const double t182 = qdd0wx + t31;
+		across[12*step] = t182;
 		const double qdd1 = qdd[6*stride];
 		const double dw1z = qdd1 + t32;
 		const double t35 = t34 - t33;
-		const double t113 = t33 + t34;
-		across[13*step] = t113;
+		const double t109 = t33 + t34;
+		across[13*step] = t109;
 		const double t38 = t36 - t37;
-		const double t114 = t36 + t37;
-		across[14*step] = t114;
+		const double t110 = t36 + t37;
+		across[14*step] = t110;
 		const double t41 = t39 + t40;
-		const double t115 = t40 - t39;
-		across[15*step] = t115;
+		const double t111 = t40 - t39;
+		across[15*step] = t111;
 		const double t42 = a0x + t35;
-		const double t260 = a0x - t35;
-		across[16*step] = t260;
+		const double t248 = a0x - t35;
+		across[16*step] = t248;
 		const double t43 = a0y + t38;
-		const double t261 = a0y - t38;
-		across[17*step] = t261;
+		const double t249 = a0y - t38;
+		across[17*step] = t249;
 		const double t44 = a0z + t41;
-		const double t262 = a0z - t41;
-		across[18*step] = t262;
+		const double t250 = a0z - t41;
+		across[18*step] = t250;
 		const double t45 = t44 + RNEA_FMA(1.0127277222968137e-24, t43, 4.8965888601467475e-12*t42);
 		const double a1z = RNEA_FMA(4.8965888601467475e-12, t44, -RNEA_FMA(2.0682310711021444e-13, t43, t42));
 		const double t46 = RNEA_FMA(2.0682310711021444e-13, t42, -t43);
@@ -281,29 +285,30 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 		const double t48 = w1z*w1z;
 		const double t49 = w1y*w1y;
 		const double t50 = t48 + t49;
-		const double t51 = t47 - dw1x;
+		const double t51 = dw1x + t47;
 		const double t52 = w1x*w1z;
 		const double t53 = w1x*w1x;
 		const double t54 = t52 - dw1y;
-		const double t55 = dw1y + t52;
-		const double t56 = w1x*w1y;
-		const double t59 = RNEA_FMA(5e-05, t56 - dw1z, RNEA_FMA(0.14417575549, dw1y, 0.12366627845599999*t52));
-		const double t60 = RNEA_FMA(-0.022737817929, t48 - t53, RNEA_FMA(-4e-05, dw1x + t47, t59));
-		const double n1y = RNEA_FMA(-0.12490590000000001, a1z, 0.49607829999999997*a1x) + t60;
-		const double t57 = dw1z + t56;
-		const double t61 = RNEA_FMA(-5e-05, t55, RNEA_FMA(0.022737817929, t51, RNEA_FMA(0.011034738517, dw1z,
-			0.009474738517000002*t56)));
-		const double f1y = RNEA_FMA(2.93, a1y, RNEA_FMA(0.49607829999999997, t51, 0.12490590000000001*t57));
-		const double f1x = RNEA_FMA(2.93, a1x, RNEA_FMA(-0.12490590000000001, t50, 0.49607829999999997*t55));
+		const double t55 = w1x*w1y;
+		const double t56 = t55 - dw1z;
+		const double t57 = dw1z + t55;
+		const double t60 = RNEA_FMA(0.022737817928999964, t47 - dw1x, RNEA_FMA(-0.18947331390192043, t55,
+			0.25502600373592044*dw1z));
+		const double t58 = RNEA_FMA(-0.022737817928999964, t57, RNEA_FMA(4.7048e-05, t54,
+			RNEA_FMA(0.18947331390192043,
+			dw1x, 0.25502600373592044*t47)));
+		const double n1x = RNEA_FMA(8.81e-05, a1z, RNEA_FMA(-4.9999998915554135e-05, t49 - t48, t58));
+		const double t61 = RNEA_FMA(-4.7048e-05, t53 - t49, RNEA_FMA(-4.9999998915554135e-05, dw1y + t52, t60));
+		const double t59 = RNEA_FMA(-0.022737817928999964, t48 - t53, RNEA_FMA(-4.7048e-05, t51,
+			RNEA_FMA(-0.065552689834, t52, 4.9999998915554135e-05*t56)));
+		const double f1x = RNEA_FMA(-0.40642598, t50, 8.81e-05*t56);
 		const double t64 = RNEA_FMA(-0.08, t50, a1x);
-		const double n1z = RNEA_FMA(0.12490590000000001, a1y, RNEA_FMA(-4e-05, t53 - t49, t61));
-		const double f1z = RNEA_FMA(2.93, a1z, RNEA_FMA(-0.49607829999999997, t49 + t53,
-			0.12490590000000001*t54));
-		const double t66 = RNEA_FMA(0.08, t54, a1z);
-		const double t58 = RNEA_FMA(-0.022737817929, t57, RNEA_FMA(4e-05, t54, RNEA_FMA(-0.133141016973, t47,
-			0.134701016973*dw1x)));
+		const double n1z = RNEA_FMA(-8.81e-05, a1x, 0.40642598*a1y) + t61;
 		const double t65 = RNEA_FMA(0.08, t57, a1y);
-		const double n1x = RNEA_FMA(-0.49607829999999997, a1y, RNEA_FMA(-5e-05, t49 - t48, t58));
+		const double f1y = RNEA_FMA(-8.81e-05, t48 + t53, 0.40642598*t57);
+		const double f1z = RNEA_FMA(8.81e-05, t51, 0.40642598*t54);
+		const double t66 = RNEA_FMA(0.08, t54, a1z);
+		const double n1y = RNEA_FMA(-0.40642598, a1z, t59);
 
 		/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
 		const double q2 = q[8*stride];
@@ -334,117 +339,101 @@ static RNEA_INLINE int hyq_rnea_segment0(const double *first_q, const double *fi
 		const double t76 = w2x*w2y;
 		const double t77 = t76 - dw2z;
 		const double t78 = dw2z + t76;
-		const double t81 = RNEA_FMA(-0.0001, t68 - dw2x, RNEA_FMA(0.08986982744380001, dw2z,
-			0.0816343336938*t76));
-		const double t79 = RNEA_FMA(0.0001, t78, RNEA_FMA(-0.00741836815, t75, RNEA_FMA(0.005497746875, dw2x,
-			0.0027377468750000005*t68)));
+		const double t81 = RNEA_FMA(-0.00013083500000000002, t68 - dw2x, RNEA_FMA(0.1977924499438, dw2z,
+			0.1895569561938*t76));
+		const double t79 = RNEA_FMA(0.00013083500000000002, t78, RNEA_FMA(-0.00741836815, t75,
+			RNEA_FMA(-0.1895569561938, dw2x, 0.1977924499438*t68)));
 		const double n2x = RNEA_FMA(-0.06924749999999999, a2z, RNEA_FMA(2e-05, t70 - t69, t79));
 		const double t82 = RNEA_FMA(0.00741836815, t74 - t70, RNEA_FMA(2e-05, dw2y + t73, t81));
-		const double t80 = RNEA_FMA(0.00741836815, t72, RNEA_FMA(-2e-05, t77, RNEA_FMA(-0.08437208056880001,
-			t73,
-			0.08713208056880001*dw2y)));
-		const double f2x = RNEA_FMA(2.638, a2x, -RNEA_FMA(0.06924749999999999, t77, 0.39765212*t71));
-		const double t83 = RNEA_FMA(-0.35, t71, a2x);
-		const double n2z = RNEA_FMA(0.39765212, a2y, 0.06924749999999999*a2x) + t82;
-		const double f2z = RNEA_FMA(2.638, a2z, RNEA_FMA(-0.06924749999999999, t72, 0.39765212*t75));
+		const double t80 = RNEA_FMA(0.00741836815, t72, -RNEA_FMA(2e-05, t77, 0.3873494061376*t73));
+		const double f2z = RNEA_FMA(-0.06924749999999999, t72, 0.70600247*t75);
 		const double a3z = RNEA_FMA(0.35, t75, a2z);
-		const double n2y = RNEA_FMA(-0.39765212, a2z, RNEA_FMA(0.0001, t69 - t74, t80));
-		const double f2y = RNEA_FMA(2.638, a2y, RNEA_FMA(0.06924749999999999, t69 + t74, 0.39765212*t78));
-		const double t84 = RNEA_FMA(0.35, t78, a2y);
+		const double n2y = RNEA_FMA(-0.70600247, a2z, RNEA_FMA(0.00013083500000000002, t69 - t74, t80));
+		const double f2y = RNEA_FMA(0.06924749999999999, t69 + t74, 0.70600247*t78);
+		const double n2z = RNEA_FMA(0.70600247, a2y, 0.06924749999999999*a2x) + t82;
 
 		/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
 		const double q3 = q[9*stride];
 		double s3, c3;
 		all_small &= rneagen_sincos_known(q3, known, sines + 4, &s3, &c3);
+		const double sa3 = RNEA_FMA(0.9999999491264364, s3, 0.00031897825112412793*c3);
+		const double ca3 = RNEA_FMA(-0.00031897825112412793, s3, 0.9999999491264364*c3);
+		const double a3y = RNEA_FMA(RNEA_FMA(-0.35, t71, a2x), -sa3, ca3*RNEA_FMA(0.35, t78, a2y));
 		const double qd3 = qd[8*stride];
 		const double w3z = w2z + qd3;
 		const double qdd3 = qdd[8*stride];
 		const double dw3z = dw2z + qdd3;
-		const double w3x = RNEA_FMA(w2x, c3, w2y*s3);
-		const double w3y = RNEA_FMA(s3, -w2x, w2y*c3);
-		const double dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(dw2x, c3, dw2y*s3));
-		const double dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(s3, -dw2x, dw2y*c3));
-		const double a3x = RNEA_FMA(c3, t83, s3*t84);
-		const double a3y = RNEA_FMA(t83, -s3, c3*t84);
-		const double t85 = w3y*w3z;
-		const double t86 = w3z*w3z;
-		const double t90 = w3x*w3z;
-		const double t87 = w3y*w3y;
-		const double t94 = w3x*w3y;
-		const double t91 = w3x*w3x;
-		const double t88 = t85 - dw3x;
-		const double t89 = dw3x + t85;
-		const double t92 = t90 - dw3y;
-		const double t93 = dw3y + t90;
-		const double t95 = t94 - dw3z;
-		const double t98 = RNEA_FMA(5.6580903999995104e-05, t89, RNEA_FMA(9.96476000009793e-07, t95,
-			RNEA_FMA(-0.02571397686600003, t90, 0.026414994486000012*dw3y)));
-		const double f3x = RNEA_FMA(0.881001, a3x, RNEA_FMA(-8.81e-05, t93, RNEA_FMA(-0.11047774600000002, t86
-			+ t87,
-			3.524e-05*t95)));
-		const double t99 = RNEA_FMA(-9.96476000009793e-07, t93, RNEA_FMA(-4.774000000489742e-08, t88,
-			RNEA_FMA(0.026184987085600013, dw3z, 0.02594398426640003*t94)));
-		const double t96 = dw3z + t94;
-		const double t97 = RNEA_FMA(4.774000000489742e-08, t96, RNEA_FMA(-5.6580903999995104e-05, t92,
-			RNEA_FMA(-0.0002300074003999993, t85, 0.0004710102195999804*dw3x)));
-		const double f3z = RNEA_FMA(0.881001, a3z, RNEA_FMA(8.81e-05, t87 + t91, RNEA_FMA(3.524e-05, t89,
-			0.11047774600000002*t92)));
-		const double f2z_2 = f2z + f3z;
-		const double f3y = RNEA_FMA(0.881001, a3y, RNEA_FMA(-8.81e-05, t88, RNEA_FMA(-3.524e-05, t86 + t91,
-			0.11047774600000002*t96)));
-		const double f2x_2 = f2x + RNEA_FMA(-s3, f3y, c3*f3x);
-		const double t100 = RNEA_FMA(s3, f3x, c3*f3y);
-		const double f2y_2 = f2y + t100;
-		const double f1x_2 = f1x + RNEA_FMA(-s2, f2y_2, c2*f2x_2);
-		const double t101 = RNEA_FMA(s2, f2x_2, c2*f2y_2);
-		const double n3x = RNEA_FMA(3.524e-05, a3z, 8.81e-05*a3y) + RNEA_FMA(-9.96476000009793e-07, t87 - t86,
-			t97);
-		const double n3y = RNEA_FMA(4.774000000489742e-08, t86 - t91, t98) - RNEA_FMA(8.81e-05, a3x,
-			0.11047774600000002*a3z);
-		const double n3z = RNEA_FMA(-3.524e-05, a3x, 0.11047774600000002*a3y) + RNEA_FMA(5.6580903999995104e-05,
-			t91
-			- t87, t99);
-		tau[8*stride] = n3z;
-		const double n2z_2 = n2z + RNEA_FMA(0.35, t100, n3z);
-		tau[7*stride] = n2z_2;
-		const double n2y_2 = n2y + RNEA_FMA(-0.35, f3z, RNEA_FMA(s3, n3x, c3*n3y));
-		const double n2x_2 = n2x + RNEA_FMA(-s3, n3y, c3*n3x);
+		const double w3x = RNEA_FMA(w2x, ca3, w2y*sa3);
+		const double w3y = RNEA_FMA(sa3, -w2x, w2y*ca3);
+		const double dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(dw2x, ca3, dw2y*sa3));
+		const double dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(sa3, -dw2x, dw2y*ca3));
+		const double t83 = w3y*w3z;
+		const double t84 = w3z*w3z;
+		const double t86 = w3x*w3z;
+		const double t85 = w3y*w3y;
+		const double t89 = w3x*w3y;
+		const double t87 = w3x*w3x;
+		const double t88 = t86 - dw3y;
+		const double f2z_2 = RNEA_FMA(0.11047775162039694, t88, f2z);
+		const double t90 = dw3z + t89;
+		const double t91 = 0.11047775162039694*(t84 + t85);
+		const double f3y = 0.11047775162039694*t90;
+		const double t92 = RNEA_FMA(4.74221434044232e-08, t90, RNEA_FMA(-6.485645879358712e-05, t88,
+			RNEA_FMA(-0.02594390679464088, dw3x, 0.026184987085600013*t83)));
+		const double n3x = RNEA_FMA(-9.964911773372182e-07, t85 - t84, t92);
+		const double t96 = RNEA_FMA(0.06924749999999999, t77, 0.70600247*t71) + RNEA_FMA(ca3, t91, sa3*f3y);
+		const double t95 = RNEA_FMA(-sa3, t91, ca3*f3y);
+		const double f2y_2 = f2y + t95;
+		const double f1x_2 = f1x - RNEA_FMA(c2, t96, s2*f2y_2);
+		const double t97 = RNEA_FMA(-s2, t96, c2*f2y_2);
+		const double t93 = RNEA_FMA(6.485645879358712e-05, dw3x + t83, RNEA_FMA(-0.0521288938802409, t86,
+			9.964911773372182e-07*(t89 - dw3z)));
+		const double t94 = RNEA_FMA(-4.74221434044232e-08, t83 - dw3x, RNEA_FMA(0.026184987085600013, dw3z,
+			0.02594390679464088*t89));
+		const double n3z = RNEA_FMA(0.11047775162039694, a3y, RNEA_FMA(6.485645879358712e-05, t87 - t85,
+			RNEA_FMA(-9.964911773372182e-07, dw3y + t86, t94)));
+		const double n3y = RNEA_FMA(-0.11047775162039694, a3z, RNEA_FMA(4.74221434044232e-08, t84 - t87, t93));
+		const double n2y_2 = n2y + RNEA_FMA(-0.038667213067138925, t88, RNEA_FMA(sa3, n3x, ca3*n3y));
+		const double n2x_2 = n2x + RNEA_FMA(-sa3, n3y, ca3*n3x);
 		const double n1x_2 = n1x + RNEA_FMA(-s2, n2y_2, c2*n2x_2);
-		const double t102 = RNEA_FMA(s2, n2x_2, c2*n2y_2);
+		const double t98 = RNEA_FMA(s2, n2x_2, c2*n2y_2);
+		tau[8*stride] = n3z;
+		const double n2z_2 = n2z + RNEA_FMA(0.35, t95, n3z);
+		tau[7*stride] = n2z_2;
 
 		/* ---- back from link 2 "lf_upperleg" to link 1 (bpass): torque of "lf_hfe_joint" ---- */
 		/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
-		const double t103 = RNEA_FMA(4.8965888601467475e-12, t101, -f2z_2);
-		const double t104 = RNEA_FMA(4.8965888601467475e-12, f2z_2, t101);
-		const double n1y_2 = n1y + RNEA_FMA(-0.08, t104, RNEA_FMA(4.8965888601467475e-12, t102, -n2z_2));
-		const double n1z_2 = n1z + RNEA_FMA(0.08, t103, RNEA_FMA(4.8965888601467475e-12, n2z_2, t102));
-		const double f1y_2 = f1y + t103;
+		const double t99 = RNEA_FMA(4.8965888601467475e-12, t97, -f2z_2);
+		const double t100 = RNEA_FMA(4.8965888601467475e-12, f2z_2, t97);
+		const double n1y_2 = n1y + RNEA_FMA(-0.08, t100, RNEA_FMA(4.8965888601467475e-12, t98, -n2z_2));
+		const double n1z_2 = n1z + RNEA_FMA(0.08, t99, RNEA_FMA(4.8965888601467475e-12, n2z_2, t98));
+		const double f1y_2 = f1y + t99;
 		tau[6*stride] = n1z_2;
-		const double f1z_2 = f1z + t104;
+		const double f1z_2 = f1z + t100;
 
 		/* ---- back from link 1 "lf_hipassembly" to link 0 (bpass): torque of "lf_haa_joint" ---- */
-		const double t105 = RNEA_FMA(f1y_2, -s1, c1*f1x_2);
-		const double t106 = RNEA_FMA(s1, f1x_2, c1*f1y_2);
-		const double t107 = RNEA_FMA(n1y_2, -s1, c1*n1x_2);
-		const double t108 = RNEA_FMA(s1, n1x_2, c1*n1y_2);
-		const double t109 = RNEA_FMA(-4.8965888601467475e-12, t105, 2.0682310711021444e-13*t106) - f1z_2;
-		const double t110 = RNEA_FMA(2.0682310711021444e-13, f1z_2, RNEA_FMA(1.0127277222968137e-24, t105,
-			t106));
-		const double t111 = RNEA_FMA(4.8965888601467475e-12, f1z_2, -t105);
-		const double n0y_2 = n0y - RNEA_FMA(0.3735, t111, RNEA_FMA(2.0682310711021444e-13, n1z_2,
-			RNEA_FMA(1.0127277222968137e-24, t107, t108)));
+		const double t101 = RNEA_FMA(f1y_2, -s1, c1*f1x_2);
+		const double t102 = RNEA_FMA(s1, f1x_2, c1*f1y_2);
+		const double t103 = RNEA_FMA(n1y_2, -s1, c1*n1x_2);
+		const double t104 = RNEA_FMA(s1, n1x_2, c1*n1y_2);
+		const double t105 = RNEA_FMA(-4.8965888601467475e-12, t101, 2.0682310711021444e-13*t102) - f1z_2;
+		const double t106 = RNEA_FMA(2.0682310711021444e-13, f1z_2, RNEA_FMA(1.0127277222968137e-24, t101,
+			t102));
+		const double t107 = RNEA_FMA(4.8965888601467475e-12, f1z_2, -t101);
+		const double n0y_2 = n0y - RNEA_FMA(0.3735, t107, RNEA_FMA(2.0682310711021444e-13, n1z_2,
+			RNEA_FMA(1.0127277222968137e-24, t103, t104)));
 		across[19*step] = n0y_2;
-		const double n0x_2 = n0x + RNEA_FMA(0.207, t111, RNEA_FMA(-4.8965888601467475e-12, t107,
-			2.0682310711021444e-13*t108) - n1z_2);
+		const double n0x_2 = n0x + RNEA_FMA(0.207, t107, RNEA_FMA(-4.8965888601467475e-12, t103,
+			2.0682310711021444e-13*t104) - n1z_2);
 		across[20*step] = n0x_2;
-		const double t112 = RNEA_FMA(4.8965888601467475e-12, n1z_2, -t107) - RNEA_FMA(0.3735, t110, 0.207*t109);
-		const double f0x_2 = f0x + t109;
+		const double t108 = RNEA_FMA(4.8965888601467475e-12, n1z_2, -t103) - RNEA_FMA(0.3735, t106, 0.207*t105);
+		const double f0x_2 = f0x + t105;
 		across[21*step] = f0x_2;
-		const double f0y_2 = f0y - t110;
+		const double f0y_2 = f0y - t106;
 		across[22*step] = f0y_2;
-		const double n0z_2 = n0z + t112;
+		const double n0z_2 = n0z + t108;
 		across[23*step] = n0z_2;
-		const double f0z_2 = f0z + t111;
+		const double f0z_2 = f0z + t107;
 		across[24*step] = f0z_2;
 	}
 	return all_small;
@@ -476,24 +465,24 @@ static RNEA_INLINE int hyq_rnea_segment1(const double *first_q, const double *fi
 		const double qdd4 = qdd[9*stride];
 		const double dw4z = t32 + qdd4;
 		const double a0x = across[0];
-		const double t113 = across[13*step];
-		const double t116 = a0x + t113;
-		const double t192 = a0x - t113;
-		across[25*step] = t192;
+		const double t109 = across[13*step];
+		const double t112 = a0x + t109;
+		const double t183 = a0x - t109;
+		across[25*step] = t183;
 		const double a0y = across[step];
-		const double t114 = across[14*step];
-		const double t117 = a0y - t114;
-		const double t193 = a0y + t114;
-		across[26*step] = t193;
+		const double t110 = across[14*step];
+		const double t113 = a0y - t110;
+		const double t184 = a0y + t110;
+		across[26*step] = t184;
 		const double a0z = across[2*step];
-		const double t115 = across[15*step];
-		const double t118 = a0z + t115;
-		const double t194 = a0z - t115;
-		across[27*step] = t194;
-		const double t119 = t118 + RNEA_FMA(1.0127277222968137e-24, t117, 4.8965888601467475e-12*t116);
-		const double a4z = RNEA_FMA(4.8965888601467475e-12, t118, -RNEA_FMA(2.0682310711021444e-13, t117,
-			t116));
-		const double t120 = RNEA_FMA(2.0682310711021444e-13, t116, -t117);
+		const double t111 = across[15*step];
+		const double t114 = a0z + t111;
+		const double t185 = a0z - t111;
+		across[27*step] = t185;
+		const double t115 = t114 + RNEA_FMA(1.0127277222968137e-24, t113, 4.8965888601467475e-12*t112);
+		const double a4z = RNEA_FMA(4.8965888601467475e-12, t114, -RNEA_FMA(2.0682310711021444e-13, t113,
+			t112));
+		const double t116 = RNEA_FMA(2.0682310711021444e-13, t112, -t113);
 		const double t24 = across[3*step];
 		const double t25 = across[5*step];
 		const double w4x = RNEA_FMA(c4, -t24, t25*s4);
@@ -502,38 +491,35 @@ static RNEA_INLINE int hyq_rnea_segment1(const double *first_q, const double *fi
 		const double t30 = across[10*step];
 		const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(c4, -t29, t30*s4));
 		const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(t29, s4, t30*c4));
-		const double a4x = RNEA_FMA(t119, -c4, s4*t120);
-		const double a4y = RNEA_FMA(s4, t119, c4*t120);
-		const double t121 = w4y*w4z;
-		const double t122 = w4z*w4z;
-		const double t123 = w4y*w4y;
-		const double t124 = t122 + t123;
-		const double t125 = t121 - dw4x;
-		const double t126 = w4x*w4z;
-		const double t127 = w4x*w4x;
-		const double t128 = t126 - dw4y;
-		const double t129 = dw4y + t126;
-		const double t130 = w4x*w4y;
-		const double t133 = RNEA_FMA(5e-05, t130 - dw4z, RNEA_FMA(0.14417575549, dw4y,
-			0.12366627845599999*t126));
-		const double t134 = RNEA_FMA(0.022737817929, t122 - t127, RNEA_FMA(4e-05, dw4x + t121, t133));
-		const double n4y = t134 - RNEA_FMA(0.49607829999999997, a4x, 0.12490590000000001*a4z);
-		const double t131 = dw4z + t130;
-		const double t135 = RNEA_FMA(-5e-05, t129, RNEA_FMA(-0.022737817929, t125, RNEA_FMA(0.011034738517,
-			dw4z,
-			0.009474738517000002*t130)));
-		const double f4y = RNEA_FMA(2.93, a4y, RNEA_FMA(-0.49607829999999997, t125, 0.12490590000000001*t131));
-		const double f4x = RNEA_FMA(2.93, a4x, -RNEA_FMA(0.49607829999999997, t129, 0.12490590000000001*t124));
-		const double t138 = RNEA_FMA(-0.08, t124, a4x);
-		const double n4z = RNEA_FMA(0.12490590000000001, a4y, RNEA_FMA(4e-05, t127 - t123, t135));
-		const double f4z = RNEA_FMA(2.93, a4z, RNEA_FMA(0.49607829999999997, t123 + t127,
-			0.12490590000000001*t128));
-		const double t140 = RNEA_FMA(0.08, t128, a4z);
-		const double t132 = RNEA_FMA(0.022737817929, t131, RNEA_FMA(-4e-05, t128, RNEA_FMA(-0.133141016973,
-			t121,
-			0.134701016973*dw4x)));
-		const double t139 = RNEA_FMA(0.08, t131, a4y);
-		const double n4x = RNEA_FMA(0.49607829999999997, a4y, RNEA_FMA(-5e-05, t123 - t122, t132));
+		const double a4x = RNEA_FMA(t115, -c4, s4*t116);
+		const double a4y = RNEA_FMA(s4, t115, c4*t116);
+		const double t117 = w4y*w4z;
+		const double t118 = w4z*w4z;
+		const double t119 = w4y*w4y;
+		const double t120 = t118 + t119;
+		const double t121 = dw4x + t117;
+		const double t122 = w4x*w4z;
+		const double t123 = w4x*w4x;
+		const double t124 = t122 - dw4y;
+		const double t125 = w4x*w4y;
+		const double t126 = t125 - dw4z;
+		const double t127 = dw4z + t125;
+		const double t130 = RNEA_FMA(-0.022737817928999964, t117 - dw4x, RNEA_FMA(-0.18947331517783336, t125,
+			0.25502600501183337*dw4z));
+		const double t128 = RNEA_FMA(0.022737817928999964, t127, RNEA_FMA(-4.7048e-05, t124,
+			RNEA_FMA(0.18947331517783336, dw4x, 0.25502600501183337*t117)));
+		const double n4x = RNEA_FMA(-8.81e-05, a4z, RNEA_FMA(-4.9999998915554135e-05, t119 - t118, t128));
+		const double t131 = RNEA_FMA(4.7048e-05, t123 - t119, RNEA_FMA(-4.9999998915554135e-05, dw4y + t122,
+			t130));
+		const double t129 = RNEA_FMA(0.022737817928999964, t118 - t123, RNEA_FMA(4.7048e-05, t121,
+			RNEA_FMA(-0.065552689834, t122, 4.9999998915554135e-05*t126)));
+		const double f4z = RNEA_FMA(-8.81e-05, t121, 0.40642598*t124);
+		const double t136 = RNEA_FMA(0.08, t124, a4z);
+		const double n4y = RNEA_FMA(-0.40642598, a4z, t129);
+		const double f4y = RNEA_FMA(8.81e-05, t118 + t123, 0.40642598*t127);
+		const double t135 = RNEA_FMA(0.08, t127, a4y);
+		const double n4z = RNEA_FMA(0.40642598, a4y, 8.81e-05*a4x) + t131;
+		const double t134 = RNEA_FMA(-0.08, t120, a4x);
 
 		/* ---- out to link 5 "lh_upperleg" (fpass) ---- */
 		const double q5 = q[11*stride];
@@ -541,128 +527,117 @@ static RNEA_INLINE int hyq_rnea_segment1(const double *first_q, const double *fi
 		all_small &= rneagen_sincos_known(q5, known, sines + 8, &s5, &c5);
 		const double qdd5 = qdd[10*stride];
 		const double dw5z = qdd5 + RNEA_FMA(4.8965888601467475e-12, dw4z, -dw4y);
-		const double t137 = RNEA_FMA(4.8965888601467475e-12, dw4y, dw4z);
-		const double t136 = RNEA_FMA(4.8965888601467475e-12, w4y, w4z);
+		const double t133 = RNEA_FMA(4.8965888601467475e-12, dw4y, dw4z);
+		const double t132 = RNEA_FMA(4.8965888601467475e-12, w4y, w4z);
 		const double qd5 = qd[10*stride];
 		const double w5z = qd5 + RNEA_FMA(4.8965888601467475e-12, w4z, -w4y);
-		const double t141 = RNEA_FMA(4.8965888601467475e-12, t139, t140);
-		const double a5z = RNEA_FMA(4.8965888601467475e-12, t140, -t139);
-		const double w5x = RNEA_FMA(w4x, c5, s5*t136);
-		const double w5y = RNEA_FMA(s5, -w4x, c5*t136);
-		const double dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4x, c5, s5*t137));
-		const double dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(s5, -dw4x, c5*t137));
-		const double a5x = RNEA_FMA(c5, t138, s5*t141);
-		const double a5y = RNEA_FMA(t138, -s5, c5*t141);
-		const double t142 = w5y*w5z;
-		const double t143 = w5z*w5z;
-		const double t144 = w5y*w5y;
-		const double t145 = t143 + t144;
-		const double t146 = dw5x + t142;
-		const double t147 = w5x*w5z;
-		const double t148 = w5x*w5x;
-		const double t149 = t147 - dw5y;
-		const double t150 = w5x*w5y;
-		const double t151 = t150 - dw5z;
-		const double t152 = dw5z + t150;
-		const double t155 = RNEA_FMA(0.0001, t142 - dw5x, RNEA_FMA(0.08986982744380001, dw5z,
-			0.0816343336938*t150));
-		const double t153 = RNEA_FMA(-0.0001, t152, RNEA_FMA(0.00741836815, t149, RNEA_FMA(0.005497746875, dw5x,
-			0.0027377468750000005*t142)));
-		const double n5x = RNEA_FMA(0.06924749999999999, a5z, RNEA_FMA(2e-05, t144 - t143, t153));
-		const double t156 = RNEA_FMA(-0.00741836815, t148 - t144, RNEA_FMA(2e-05, dw5y + t147, t155));
-		const double t154 = RNEA_FMA(-0.00741836815, t146, RNEA_FMA(-2e-05, t151, RNEA_FMA(-0.08437208056880001,
-			t147,
-			0.08713208056880001*dw5y)));
-		const double f5x = RNEA_FMA(2.638, a5x, RNEA_FMA(-0.39765212, t145, 0.06924749999999999*t151));
-		const double t157 = RNEA_FMA(-0.35, t145, a5x);
-		const double n5z = RNEA_FMA(-0.06924749999999999, a5x, 0.39765212*a5y) + t156;
-		const double f5z = RNEA_FMA(2.638, a5z, RNEA_FMA(0.06924749999999999, t146, 0.39765212*t149));
-		const double a6z = RNEA_FMA(0.35, t149, a5z);
-		const double n5y = RNEA_FMA(-0.39765212, a5z, RNEA_FMA(-0.0001, t143 - t148, t154));
-		const double f5y = RNEA_FMA(2.638, a5y, RNEA_FMA(-0.06924749999999999, t143 + t148, 0.39765212*t152));
-		const double t158 = RNEA_FMA(0.35, t152, a5y);
+		const double t137 = RNEA_FMA(4.8965888601467475e-12, t135, t136);
+		const double a5z = RNEA_FMA(4.8965888601467475e-12, t136, -t135);
+		const double w5x = RNEA_FMA(w4x, c5, s5*t132);
+		const double w5y = RNEA_FMA(s5, -w4x, c5*t132);
+		const double dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4x, c5, s5*t133));
+		const double dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(s5, -dw4x, c5*t133));
+		const double a5x = RNEA_FMA(c5, t134, s5*t137);
+		const double a5y = RNEA_FMA(t134, -s5, c5*t137);
+		const double t138 = w5y*w5z;
+		const double t139 = w5z*w5z;
+		const double t140 = w5y*w5y;
+		const double t141 = t139 + t140;
+		const double t142 = dw5x + t138;
+		const double t143 = w5x*w5z;
+		const double t144 = w5x*w5x;
+		const double t145 = t143 - dw5y;
+		const double t146 = w5x*w5y;
+		const double t147 = t146 - dw5z;
+		const double t148 = dw5z + t146;
+		const double t151 = RNEA_FMA(0.00013083500000000002, t138 - dw5x, RNEA_FMA(0.1977924499438, dw5z,
+			0.1895569561938*t146));
+		const double t149 = RNEA_FMA(-0.00013083500000000002, t148, RNEA_FMA(0.00741836815, t145,
+			RNEA_FMA(-0.1895569561938, dw5x, 0.1977924499438*t138)));
+		const double n5x = RNEA_FMA(0.06924749999999999, a5z, RNEA_FMA(2e-05, t140 - t139, t149));
+		const double t152 = RNEA_FMA(-0.00741836815, t144 - t140, RNEA_FMA(2e-05, dw5y + t143, t151));
+		const double t150 = RNEA_FMA(0.00013083500000000002, t139 - t144, RNEA_FMA(0.00741836815, t142,
+			RNEA_FMA(2e-05,
+			t147, 0.3873494061376*t143)));
+		const double f5x = RNEA_FMA(-0.70600247, t141, 0.06924749999999999*t147);
+		const double f5z = RNEA_FMA(0.06924749999999999, t142, 0.70600247*t145);
+		const double a6z = RNEA_FMA(0.35, t145, a5z);
+		const double f5y = RNEA_FMA(-0.06924749999999999, t139 + t144, 0.70600247*t148);
+		const double n5z = RNEA_FMA(-0.06924749999999999, a5x, 0.70600247*a5y) + t152;
 
 		/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
 		const double q6 = q[12*stride];
 		double s6, c6;
 		all_small &= rneagen_sincos_known(q6, known, sines + 10, &s6, &c6);
+		const double sa6 = RNEA_FMA(-0.00031897825112412793, c6, 0.9999999491264364*s6);
+		const double ca6 = RNEA_FMA(0.9999999491264364, c6, 0.00031897825112412793*s6);
+		const double a6y = RNEA_FMA(RNEA_FMA(-0.35, t141, a5x), -sa6, ca6*RNEA_FMA(0.35, t148, a5y));
 		const double qd6 = qd[11*stride];
 		const double w6z = w5z + qd6;
 		const double qdd6 = qdd[11*stride];
 		const double dw6z = dw5z + qdd6;
-		const double w6x = RNEA_FMA(w5x, c6, w5y*s6);
-		const double w6y = RNEA_FMA(s6, -w5x, w5y*c6);
-		const double dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5y*s6));
-		const double dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5y*c6));
-		const double a6x = RNEA_FMA(c6, t157, s6*t158);
-		const double a6y = RNEA_FMA(t157, -s6, c6*t158);
-		const double t159 = w6y*w6z;
-		const double t160 = w6z*w6z;
-		const double t164 = w6x*w6z;
-		const double t161 = w6y*w6y;
-		const double t168 = w6x*w6y;
-		const double t165 = w6x*w6x;
-		const double t162 = t159 - dw6x;
-		const double t163 = dw6x + t159;
-		const double t166 = t164 - dw6y;
-		const double t167 = dw6y + t164;
-		const double t169 = t168 - dw6z;
-		const double t173 = RNEA_FMA(-5.4580904000004895e-05, t163, RNEA_FMA(9.96476000009793e-07, t169,
-			RNEA_FMA(-0.02571397686600003, t164, 0.026414994486000012*dw6y)));
-		const double t171 = RNEA_FMA(8.81e-05, t167, -RNEA_FMA(3.524e-05, t169, 0.11047774600000002*(t160
-			+ t161)));
-		const double t174 = RNEA_FMA(-9.96476000009793e-07, t167, RNEA_FMA(2.0477399999951043e-06, t162,
-			RNEA_FMA(0.026184987085600013, dw6z, 0.02594398426640003*t168)));
-		const double t170 = dw6z + t168;
-		const double t172 = RNEA_FMA(-2.0477399999951043e-06, t170, RNEA_FMA(5.4580904000004895e-05, t166,
-			RNEA_FMA(-0.0002300074003999993, t159, 0.0004710102195999804*dw6x)));
-		const double f6z = RNEA_FMA(0.881001, a6z, RNEA_FMA(-8.81e-05, t161 + t165, RNEA_FMA(-3.524e-05, t163,
-			0.11047774600000002*t166)));
-		const double f5z_2 = f5z + f6z;
-		const double f6y = RNEA_FMA(0.881001, a6y, RNEA_FMA(8.81e-05, t162, RNEA_FMA(3.524e-05, t160 + t165,
-			0.11047774600000002*t170)));
-		const double n6x = RNEA_FMA(-9.96476000009793e-07, t161 - t160, t172) - RNEA_FMA(3.524e-05, a6z,
-			8.81e-05*a6y);
-		const double n6z = RNEA_FMA(0.11047774600000002, a6y, 3.524e-05*a6x) + RNEA_FMA(-5.4580904000004895e-05,
-			t165
-			- t161, t174);
-		const double n6y = RNEA_FMA(-0.11047774600000002, a6z, 8.81e-05*a6x) + RNEA_FMA(-2.0477399999951043e-06,
-			t160
-			- t165, t173);
-		const double f6x = RNEA_FMA(0.881001, a6x, t171);
-		const double f5x_2 = f5x + RNEA_FMA(-s6, f6y, c6*f6x);
-		const double t175 = RNEA_FMA(s6, f6x, c6*f6y);
-		const double n5z_2 = n5z + RNEA_FMA(0.35, t175, n6z);
+		const double w6x = RNEA_FMA(w5x, ca6, w5y*sa6);
+		const double w6y = RNEA_FMA(sa6, -w5x, w5y*ca6);
+		const double dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, ca6, dw5y*sa6));
+		const double dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(sa6, -dw5x, dw5y*ca6));
+		const double t153 = w6y*w6z;
+		const double t154 = w6z*w6z;
+		const double t156 = w6x*w6z;
+		const double t155 = w6y*w6y;
+		const double t159 = w6x*w6y;
+		const double t157 = w6x*w6x;
+		const double t158 = t156 - dw6y;
+		const double f5z_2 = RNEA_FMA(0.11047775162039694, t158, f5z);
+		const double t160 = dw6z + t159;
+		const double t161 = 0.11047775162039694*(t154 + t155);
+		const double f6y = 0.11047775162039694*t160;
+		const double t162 = RNEA_FMA(-2.0474220416475028e-06, t160, RNEA_FMA(6.28564592005854e-05, t158,
+			RNEA_FMA(-0.02594390934646676, dw6x, 0.026184987085600013*t153)));
+		const double n6x = RNEA_FMA(-9.971291338394633e-07, t155 - t154, t162);
+		const double f5x_2 = f5x - RNEA_FMA(ca6, t161, sa6*f6y);
+		const double t165 = RNEA_FMA(-sa6, t161, ca6*f6y);
+		const double f5y_2 = f5y + t165;
+		const double t163 = RNEA_FMA(-6.28564592005854e-05, dw6x + t153, RNEA_FMA(-0.05212889643206677, t156,
+			9.971291338394633e-07*(t159 - dw6z)));
+		const double t164 = RNEA_FMA(2.0474220416475028e-06, t153 - dw6x, RNEA_FMA(0.026184987085600013, dw6z,
+			0.02594390934646676*t159));
+		const double n6z = RNEA_FMA(0.11047775162039694, a6y, RNEA_FMA(-6.28564592005854e-05, t157 - t155,
+			RNEA_FMA(-9.971291338394633e-07, dw6y + t156, t164)));
+		const double n6y = RNEA_FMA(-0.11047775162039694, a6z, RNEA_FMA(-2.0474220416475028e-06, t154 - t157,
+			t163));
+		const double n5y = RNEA_FMA(-0.038667213067138925, t158, RNEA_FMA(sa6, n6x, ca6*n6y))
+			- RNEA_FMA(0.70600247,
+			a5z, t150);
+		const double n5x_2 = n5x + RNEA_FMA(-sa6, n6y, ca6*n6x);
+		const double n4x_2 = n4x + RNEA_FMA(-s5, n5y, c5*n5x_2);
+		const double t168 = RNEA_FMA(s5, n5x_2, c5*n5y);
 		tau[11*stride] = n6z;
-		const double f5y_2 = f5y + t175;
-		const double f4x_2 = f4x + RNEA_FMA(-s5, f5y_2, c5*f5x_2);
-		const double t176 = RNEA_FMA(s5, f5x_2, c5*f5y_2);
+		const double n5z_2 = n5z + RNEA_FMA(0.35, t165, n6z);
 		tau[10*stride] = n5z_2;
-		const double n5y_2 = n5y + RNEA_FMA(-0.35, f6z, RNEA_FMA(s6, n6x, c6*n6y));
-		const double n5x_2 = n5x + RNEA_FMA(-s6, n6y, c6*n6x);
-		const double n4x_2 = n4x + RNEA_FMA(-s5, n5y_2, c5*n5x_2);
-		const double t177 = RNEA_FMA(s5, n5x_2, c5*n5y_2);
 
 		/* ---- back from link 5 "lh_upperleg" to link 4 (bpass): torque of "lh_hfe_joint" ---- */
-		const double t178 = RNEA_FMA(4.8965888601467475e-12, t176, -f5z_2);
-		const double t179 = RNEA_FMA(4.8965888601467475e-12, f5z_2, t176);
-		const double n4y_2 = n4y + RNEA_FMA(-0.08, t179, RNEA_FMA(4.8965888601467475e-12, t177, -n5z_2));
-		const double n4z_2 = n4z + RNEA_FMA(0.08, t178, RNEA_FMA(4.8965888601467475e-12, n5z_2, t177));
+		const double t166 = RNEA_FMA(-s5, f5y_2, c5*f5x_2);
+		const double t167 = RNEA_FMA(s5, f5x_2, c5*f5y_2);
+		const double f4x = t166 - RNEA_FMA(8.81e-05, t126, 0.40642598*t120);
+		const double t169 = RNEA_FMA(4.8965888601467475e-12, t167, -f5z_2);
+		const double t170 = RNEA_FMA(4.8965888601467475e-12, f5z_2, t167);
+		const double n4y_2 = n4y + RNEA_FMA(-0.08, t170, RNEA_FMA(4.8965888601467475e-12, t168, -n5z_2));
+		const double n4z_2 = n4z + RNEA_FMA(0.08, t169, RNEA_FMA(4.8965888601467475e-12, n5z_2, t168));
 		across[28*step] = n4z_2;
-		const double f4y_2 = f4y + t178;
+		const double f4y_2 = f4y + t169;
 		tau[9*stride] = n4z_2;
-		const double f4z_2 = f4z + t179;
+		const double f4z_2 = f4z + t170;
 		across[29*step] = f4z_2;
 
 		/* ---- back from link 4 "lh_hipassembly" to link 0 (bpass): torque of "lh_haa_joint" ---- */
-		const double t180 = RNEA_FMA(f4y_2, -s4, c4*f4x_2);
-		across[30*step] = t180;
-		const double t181 = RNEA_FMA(s4, f4x_2, c4*f4y_2);
-		across[31*step] = t181;
-		const double t182 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
-		across[32*step] = t182;
-		const double t183 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
-		across[33*step] = t183;
+		const double t171 = RNEA_FMA(f4y_2, -s4, c4*f4x);
+		across[30*step] = t171;
+		const double t172 = RNEA_FMA(s4, f4x, c4*f4y_2);
+		across[31*step] = t172;
+		const double t173 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
+		across[32*step] = t173;
+		const double t174 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
+		across[33*step] = t174;
 	}
 	return all_small;
 }
@@ -681,88 +656,85 @@ static RNEA_INLINE int hyq_rnea_segment2(const double *first_q, const double *fi
 		const double *const qdd = first_qdd + l;
 		double *const tau = first_tau + l;
 		double *const across = first_across + l;
-		const double t180 = across[30*step];
-		const double t181 = across[31*step];
+		const double t171 = across[30*step];
+		const double t172 = across[31*step];
 		const double f4z_2 = across[29*step];
-		const double t184 = RNEA_FMA(-4.8965888601467475e-12, t180, 2.0682310711021444e-13*t181) - f4z_2;
-		const double t185 = RNEA_FMA(2.0682310711021444e-13, f4z_2, RNEA_FMA(1.0127277222968137e-24, t180,
-			t181));
-		const double t186 = RNEA_FMA(4.8965888601467475e-12, f4z_2, -t180);
+		const double t175 = RNEA_FMA(-4.8965888601467475e-12, t171, 2.0682310711021444e-13*t172) - f4z_2;
+		const double t176 = RNEA_FMA(2.0682310711021444e-13, f4z_2, RNEA_FMA(1.0127277222968137e-24, t171,
+			t172));
+		const double t177 = RNEA_FMA(4.8965888601467475e-12, f4z_2, -t171);
 		const double n0y_2 = across[19*step];
 		const double n4z_2 = across[28*step];
-		const double t182 = across[32*step];
-		const double t183 = across[33*step];
-		const double n0y_3 = n0y_2 + RNEA_FMA(0.3735, t186, -RNEA_FMA(2.0682310711021444e-13, n4z_2,
-			RNEA_FMA(1.0127277222968137e-24, t182, t183)));
+		const double t173 = across[32*step];
+		const double t174 = across[33*step];
+		const double n0y_3 = n0y_2 + RNEA_FMA(0.3735, t177, -RNEA_FMA(2.0682310711021444e-13, n4z_2,
+			RNEA_FMA(1.0127277222968137e-24, t173, t174)));
 		const double n0x_2 = across[20*step];
-		const double n0x_3 = n0x_2 + RNEA_FMA(0.207, t186, RNEA_FMA(-4.8965888601467475e-12, t182,
-			2.0682310711021444e-13*t183) - n4z_2);
-		const double t187 = RNEA_FMA(4.8965888601467475e-12, n4z_2, -t182) + RNEA_FMA(-0.207, t184,
-			0.3735*t185);
+		const double n0x_3 = n0x_2 + RNEA_FMA(0.207, t177, RNEA_FMA(-4.8965888601467475e-12, t173,
+			2.0682310711021444e-13*t174) - n4z_2);
+		const double t178 = RNEA_FMA(4.8965888601467475e-12, n4z_2, -t173) + RNEA_FMA(-0.207, t175,
+			0.3735*t176);
 		const double f0y_2 = across[22*step];
-		const double f0y_3 = f0y_2 - t185;
+		const double f0y_3 = f0y_2 - t176;
 		const double f0x_2 = across[21*step];
-		const double f0x_3 = f0x_2 + t184;
+		const double f0x_3 = f0x_2 + t175;
 		const double n0z_2 = across[23*step];
-		const double n0z_3 = n0z_2 + t187;
+		const double n0z_3 = n0z_2 + t178;
 		const double f0z_2 = across[24*step];
-		const double f0z_3 = f0z_2 + t186;
+		const double f0z_3 = f0z_2 + t177;
 
 		/* ---- out to link 7 "rf_hipassembly" (fpass) ---- */
 		const double q7 = q[13*stride];
 		double s7, c7;
 		all_small &= rneagen_sincos_known(q7, known, sines + 12, &s7, &c7);
 		const double qdd7 = qdd[12*stride];
-		const double t191 = across[12*step];
-		const double dw7z = qdd7 + t191;
-		const double t192 = across[25*step];
-		const double t194 = across[27*step];
-		const double t195 = RNEA_FMA(4.8965888601467475e-12, t192, -t194);
-		const double a7z = RNEA_FMA(4.8965888601467475e-12, t194, t192);
-		const double t188 = across[4*step];
+		const double t182 = across[12*step];
+		const double dw7z = qdd7 + t182;
+		const double t183 = across[25*step];
+		const double t185 = across[27*step];
+		const double t186 = RNEA_FMA(4.8965888601467475e-12, t183, -t185);
+		const double a7z = RNEA_FMA(4.8965888601467475e-12, t185, t183);
+		const double t179 = across[4*step];
 		const double qd0wy = qd[4*stride];
-		const double w7x = RNEA_FMA(c7, t188, qd0wy*s7);
-		const double w7y = RNEA_FMA(t188, -s7, qd0wy*c7);
+		const double w7x = RNEA_FMA(c7, t179, qd0wy*s7);
+		const double w7y = RNEA_FMA(t179, -s7, qd0wy*c7);
 		const double qd7 = qd[12*stride];
-		const double t189 = across[7*step];
-		const double w7z = qd7 + t189;
-		const double t190 = across[9*step];
+		const double t180 = across[7*step];
+		const double w7z = qd7 + t180;
+		const double t181 = across[9*step];
 		const double qdd0wy = qdd[4*stride];
-		const double dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, t190, qdd0wy*s7));
-		const double dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(t190, -s7, qdd0wy*c7));
-		const double t193 = across[26*step];
-		const double a7x = RNEA_FMA(c7, t195, s7*t193);
-		const double a7y = RNEA_FMA(t195, -s7, c7*t193);
-		const double t196 = w7y*w7z;
-		const double t197 = w7z*w7z;
-		const double t198 = w7y*w7y;
-		const double t199 = t197 + t198;
-		const double t200 = t196 - dw7x;
-		const double t201 = w7x*w7z;
-		const double t202 = w7x*w7x;
-		const double t203 = t201 - dw7y;
-		const double t204 = dw7y + t201;
-		const double t205 = w7x*w7y;
-		const double t208 = RNEA_FMA(5e-05, t205 - dw7z, RNEA_FMA(0.14417575549, dw7y,
-			0.12366627845599999*t201));
-		const double t209 = RNEA_FMA(0.022737817929, t197 - t202, RNEA_FMA(4e-05, dw7x + t196, t208));
-		const double n7y = t209 - RNEA_FMA(0.49607829999999997, a7x, 0.12490590000000001*a7z);
-		const double t206 = dw7z + t205;
-		const double t210 = RNEA_FMA(-5e-05, t204, RNEA_FMA(-0.022737817929, t200, RNEA_FMA(0.011034738517,
-			dw7z,
-			0.009474738517000002*t205)));
-		const double f7y = RNEA_FMA(2.93, a7y, RNEA_FMA(-0.49607829999999997, t200, 0.12490590000000001*t206));
-		const double f7x = RNEA_FMA(2.93, a7x, -RNEA_FMA(0.49607829999999997, t204, 0.12490590000000001*t199));
-		const double t213 = RNEA_FMA(-0.08, t199, a7x);
-		const double n7z = RNEA_FMA(0.12490590000000001, a7y, RNEA_FMA(4e-05, t202 - t198, t210));
-		const double f7z = RNEA_FMA(2.93, a7z, RNEA_FMA(0.49607829999999997, t198 + t202,
-			0.12490590000000001*t203));
-		const double t215 = RNEA_FMA(0.08, t203, a7z);
-		const double t207 = RNEA_FMA(0.022737817929, t206, RNEA_FMA(-4e-05, t203, RNEA_FMA(-0.133141016973,
-			t196,
-			0.134701016973*dw7x)));
-		const double t214 = RNEA_FMA(0.08, t206, a7y);
-		const double n7x = RNEA_FMA(0.49607829999999997, a7y, RNEA_FMA(-5e-05, t198 - t197, t207));
+		const double dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, t181, qdd0wy*s7));
+		const double dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(t181, -s7, qdd0wy*c7));
+		const double t184 = across[26*step];
+		const double a7x = RNEA_FMA(c7, t186, s7*t184);
+		const double a7y = RNEA_FMA(t186, -s7, c7*t184);
+		const double t187 = w7y*w7z;
+		const double t188 = w7z*w7z;
+		const double t189 = w7y*w7y;
+		const double t190 = t188 + t189;
+		const double t191 = dw7x + t187;
+		const double t192 = w7x*w7z;
+		const double t193 = w7x*w7x;
+		const double t194 = t192 - dw7y;
+		const double t195 = w7x*w7y;
+		const double t196 = t195 - dw7z;
+		const double t197 = dw7z + t195;
+		const double t200 = RNEA_FMA(-0.022737817929000034, t187 - dw7x, RNEA_FMA(-0.18947331390192043, t195,
+			0.25502600373592044*dw7z));
+		const double t198 = RNEA_FMA(0.022737817929000034, t197, RNEA_FMA(-4.7048e-05, t194,
+			RNEA_FMA(0.18947331390192043, dw7x, 0.25502600373592044*t187)));
+		const double n7x = RNEA_FMA(-8.81e-05, a7z, RNEA_FMA(-5.000000108444587e-05, t189 - t188, t198));
+		const double t201 = RNEA_FMA(4.7048e-05, t193 - t189, RNEA_FMA(-5.000000108444587e-05, dw7y + t192,
+			t200));
+		const double t199 = RNEA_FMA(0.022737817929000034, t188 - t193, RNEA_FMA(4.7048e-05, t191,
+			RNEA_FMA(-0.065552689834, t192, 5.000000108444587e-05*t196)));
+		const double f7z = RNEA_FMA(-8.81e-05, t191, 0.40642598*t194);
+		const double t206 = RNEA_FMA(0.08, t194, a7z);
+		const double n7y = RNEA_FMA(-0.40642598, a7z, t199);
+		const double f7y = RNEA_FMA(8.81e-05, t188 + t193, 0.40642598*t197);
+		const double t205 = RNEA_FMA(0.08, t197, a7y);
+		const double n7z = RNEA_FMA(0.40642598, a7y, 8.81e-05*a7x) + t201;
+		const double t204 = RNEA_FMA(-0.08, t190, a7x);
 
 		/* ---- out to link 8 "rf_upperleg" (fpass) ---- */
 		const double q8 = q[14*stride];
@@ -770,134 +742,119 @@ static RNEA_INLINE int hyq_rnea_segment2(const double *first_q, const double *fi
 		all_small &= rneagen_sincos_known(q8, known, sines + 14, &s8, &c8);
 		const double qdd8 = qdd[13*stride];
 		const double dw8z = qdd8 + RNEA_FMA(4.8965888601467475e-12, dw7z, dw7y);
-		const double t212 = RNEA_FMA(4.8965888601467475e-12, dw7y, -dw7z);
-		const double t211 = RNEA_FMA(4.8965888601467475e-12, w7y, -w7z);
+		const double t203 = RNEA_FMA(4.8965888601467475e-12, dw7y, -dw7z);
+		const double t202 = RNEA_FMA(4.8965888601467475e-12, w7y, -w7z);
 		const double qd8 = qd[13*stride];
 		const double w8z = qd8 + RNEA_FMA(4.8965888601467475e-12, w7z, w7y);
-		const double t216 = RNEA_FMA(4.8965888601467475e-12, t214, -t215);
-		const double a8z = RNEA_FMA(4.8965888601467475e-12, t215, t214);
-		const double w8x = RNEA_FMA(w7x, c8, s8*t211);
-		const double w8y = RNEA_FMA(s8, -w7x, c8*t211);
-		const double dw8x = RNEA_FMA(qd8, w8y, RNEA_FMA(dw7x, c8, s8*t212));
-		const double dw8y = RNEA_FMA(w8x, -qd8, RNEA_FMA(s8, -dw7x, c8*t212));
-		const double a8x = RNEA_FMA(c8, t213, s8*t216);
-		const double a8y = RNEA_FMA(t213, -s8, c8*t216);
-		const double t217 = w8y*w8z;
-		const double t218 = w8z*w8z;
-		const double t219 = w8y*w8y;
-		const double t220 = t218 + t219;
-		const double t221 = dw8x + t217;
-		const double t222 = w8x*w8z;
-		const double t223 = w8x*w8x;
-		const double t224 = t222 - dw8y;
-		const double t225 = w8x*w8y;
-		const double t226 = t225 - dw8z;
-		const double t227 = dw8z + t225;
-		const double t230 = RNEA_FMA(-0.0001, t217 - dw8x, RNEA_FMA(0.08986982744380001, dw8z,
-			0.0816343336938*t225));
-		const double t228 = RNEA_FMA(0.0001, t227, RNEA_FMA(-0.00741836815, t224, RNEA_FMA(0.005497746875, dw8x,
-			0.0027377468750000005*t217)));
-		const double n8x = RNEA_FMA(-0.06924749999999999, a8z, RNEA_FMA(2e-05, t219 - t218, t228));
-		const double t231 = RNEA_FMA(0.00741836815, t223 - t219, RNEA_FMA(2e-05, dw8y + t222, t230));
-		const double t229 = RNEA_FMA(0.00741836815, t221, RNEA_FMA(-2e-05, t226, RNEA_FMA(-0.08437208056880001,
-			t222,
-			0.08713208056880001*dw8y)));
-		const double f8x = RNEA_FMA(2.638, a8x, -RNEA_FMA(0.06924749999999999, t226, 0.39765212*t220));
-		const double t232 = RNEA_FMA(-0.35, t220, a8x);
-		const double n8z = RNEA_FMA(0.39765212, a8y, 0.06924749999999999*a8x) + t231;
-		const double f8z = RNEA_FMA(2.638, a8z, RNEA_FMA(-0.06924749999999999, t221, 0.39765212*t224));
-		const double a9z = RNEA_FMA(0.35, t224, a8z);
-		const double n8y = RNEA_FMA(-0.39765212, a8z, RNEA_FMA(0.0001, t218 - t223, t229));
-		const double f8y = RNEA_FMA(2.638, a8y, RNEA_FMA(0.06924749999999999, t218 + t223, 0.39765212*t227));
-		const double t233 = RNEA_FMA(0.35, t227, a8y);
+		const double t207 = RNEA_FMA(4.8965888601467475e-12, t205, -t206);
+		const double a8z = RNEA_FMA(4.8965888601467475e-12, t206, t205);
+		const double w8x = RNEA_FMA(w7x, c8, s8*t202);
+		const double w8y = RNEA_FMA(s8, -w7x, c8*t202);
+		const double dw8x = RNEA_FMA(qd8, w8y, RNEA_FMA(dw7x, c8, s8*t203));
+		const double dw8y = RNEA_FMA(w8x, -qd8, RNEA_FMA(s8, -dw7x, c8*t203));
+		const double a8x = RNEA_FMA(c8, t204, s8*t207);
+		const double a8y = RNEA_FMA(t204, -s8, c8*t207);
+		const double t208 = w8y*w8z;
+		const double t209 = w8z*w8z;
+		const double t210 = w8y*w8y;
+		const double t211 = t209 + t210;
+		const double t212 = dw8x + t208;
+		const double t213 = w8x*w8z;
+		const double t214 = w8x*w8x;
+		const double t215 = t213 - dw8y;
+		const double t216 = w8x*w8y;
+		const double t217 = t216 - dw8z;
+		const double t218 = dw8z + t216;
+		const double t221 = RNEA_FMA(-0.00013083500000000002, t208 - dw8x, RNEA_FMA(0.1977924499438, dw8z,
+			0.1895569561938*t216));
+		const double t219 = RNEA_FMA(0.00013083500000000002, t218, RNEA_FMA(-0.00741836815, t215,
+			RNEA_FMA(-0.1895569561938, dw8x, 0.1977924499438*t208)));
+		const double n8x = RNEA_FMA(-0.06924749999999999, a8z, RNEA_FMA(2e-05, t210 - t209, t219));
+		const double t222 = RNEA_FMA(0.00741836815, t214 - t210, RNEA_FMA(2e-05, dw8y + t213, t221));
+		const double t220 = RNEA_FMA(0.00741836815, t212, -RNEA_FMA(2e-05, t217, 0.3873494061376*t213));
+		const double f8z = RNEA_FMA(-0.06924749999999999, t212, 0.70600247*t215);
+		const double a9z = RNEA_FMA(0.35, t215, a8z);
+		const double n8y = RNEA_FMA(-0.70600247, a8z, RNEA_FMA(0.00013083500000000002, t209 - t214, t220));
+		const double f8y = RNEA_FMA(0.06924749999999999, t209 + t214, 0.70600247*t218);
+		const double n8z = RNEA_FMA(0.70600247, a8y, 0.06924749999999999*a8x) + t222;
 
 		/* ---- out to link 9 "rf_lowerleg" (fpass) ---- */
 		const double q9 = q[15*stride];
 		double s9, c9;
 		all_small &= rneagen_sincos_known(q9, known, sines + 16, &s9, &c9);
+		const double sa9 = RNEA_FMA(0.9999999491264364, s9, 0.00031897825112412793*c9);
+		const double ca9 = RNEA_FMA(-0.00031897825112412793, s9, 0.9999999491264364*c9);
+		const double a9y = RNEA_FMA(RNEA_FMA(-0.35, t211, a8x), -sa9, ca9*RNEA_FMA(0.35, t218, a8y));
 		const double qd9 = qd[14*stride];
 		const double w9z = w8z + qd9;
 		const double qdd9 = qdd[14*stride];
 		const double dw9z = dw8z + qdd9;
-		const double w9x = RNEA_FMA(w8x, c9, w8y*s9);
-		const double w9y = RNEA_FMA(s9, -w8x, w8y*c9);
-		const double dw9x = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8x, c9, dw8y*s9));
-		const double dw9y = RNEA_FMA(w9x, -qd9, RNEA_FMA(s9, -dw8x, dw8y*c9));
-		const double a9x = RNEA_FMA(c9, t232, s9*t233);
-		const double a9y = RNEA_FMA(t232, -s9, c9*t233);
-		const double t234 = w9y*w9z;
-		const double t235 = w9z*w9z;
-		const double t239 = w9x*w9z;
-		const double t236 = w9y*w9y;
-		const double t243 = w9x*w9y;
-		const double t240 = w9x*w9x;
-		const double t237 = t234 - dw9x;
-		const double t238 = dw9x + t234;
-		const double t241 = t239 - dw9y;
-		const double t242 = dw9y + t239;
-		const double t244 = t243 - dw9z;
-		const double t247 = RNEA_FMA(5.6580903999995104e-05, t238, RNEA_FMA(9.96476000009793e-07, t244,
-			RNEA_FMA(-0.02571397686600003, t239, 0.026414994486000012*dw9y)));
-		const double f9x = RNEA_FMA(0.881001, a9x, RNEA_FMA(-8.81e-05, t242, RNEA_FMA(-0.11047774600000002, t235
-			+ t236,
-			3.524e-05*t244)));
-		const double t248 = RNEA_FMA(-9.96476000009793e-07, t242, RNEA_FMA(-4.774000000489742e-08, t237,
-			RNEA_FMA(0.026184987085600013, dw9z, 0.02594398426640003*t243)));
-		const double t245 = dw9z + t243;
-		const double t246 = RNEA_FMA(4.774000000489742e-08, t245, RNEA_FMA(-5.6580903999995104e-05, t241,
-			RNEA_FMA(-0.0002300074003999993, t234, 0.0004710102195999804*dw9x)));
-		const double f9z = RNEA_FMA(0.881001, a9z, RNEA_FMA(8.81e-05, t236 + t240, RNEA_FMA(3.524e-05, t238,
-			0.11047774600000002*t241)));
-		const double f8z_2 = f8z + f9z;
-		const double f9y = RNEA_FMA(0.881001, a9y, RNEA_FMA(-8.81e-05, t237, RNEA_FMA(-3.524e-05, t235 + t240,
-			0.11047774600000002*t245)));
-		const double f8x_2 = f8x + RNEA_FMA(-s9, f9y, c9*f9x);
-		const double t249 = RNEA_FMA(s9, f9x, c9*f9y);
-		const double f8y_2 = f8y + t249;
-		const double f7x_2 = f7x + RNEA_FMA(-s8, f8y_2, c8*f8x_2);
-		const double t250 = RNEA_FMA(s8, f8x_2, c8*f8y_2);
-		const double n9x = RNEA_FMA(3.524e-05, a9z, 8.81e-05*a9y) + RNEA_FMA(-9.96476000009793e-07, t236 - t235,
-			t246);
-		const double n9y = RNEA_FMA(4.774000000489742e-08, t235 - t240, t247) - RNEA_FMA(8.81e-05, a9x,
-			0.11047774600000002*a9z);
-		const double n9z = RNEA_FMA(-3.524e-05, a9x, 0.11047774600000002*a9y) + RNEA_FMA(5.6580903999995104e-05,
-			t240
-			- t236, t248);
-		tau[14*stride] = n9z;
-		const double n8z_2 = n8z + RNEA_FMA(0.35, t249, n9z);
-		tau[13*stride] = n8z_2;
-		const double n8y_2 = n8y + RNEA_FMA(-0.35, f9z, RNEA_FMA(s9, n9x, c9*n9y));
-		const double n8x_2 = n8x + RNEA_FMA(-s9, n9y, c9*n9x);
+		const double w9x = RNEA_FMA(w8x, ca9, w8y*sa9);
+		const double w9y = RNEA_FMA(sa9, -w8x, w8y*ca9);
+		const double dw9x = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8x, ca9, dw8y*sa9));
+		const double dw9y = RNEA_FMA(w9x, -qd9, RNEA_FMA(sa9, -dw8x, dw8y*ca9));
+		const double t223 = w9y*w9z;
+		const double t224 = w9z*w9z;
+		const double t226 = w9x*w9z;
+		const double t225 = w9y*w9y;
+		const double t229 = w9x*w9y;
+		const double t227 = w9x*w9x;
+		const double t228 = t226 - dw9y;
+		const double f8z_2 = RNEA_FMA(0.11047775162039694, t228, f8z);
+		const double t230 = dw9z + t229;
+		const double t231 = 0.11047775162039694*(t224 + t225);
+		const double f9y = 0.11047775162039694*t230;
+		const double t232 = RNEA_FMA(4.74221434044232e-08, t230, RNEA_FMA(-6.485645879358712e-05, t228,
+			RNEA_FMA(-0.02594390679464088, dw9x, 0.026184987085600013*t223)));
+		const double n9x = RNEA_FMA(-9.964911773372182e-07, t225 - t224, t232);
+		const double t236 = RNEA_FMA(0.06924749999999999, t217, 0.70600247*t211) + RNEA_FMA(ca9, t231, sa9*f9y);
+		const double t235 = RNEA_FMA(-sa9, t231, ca9*f9y);
+		const double f8y_2 = f8y + t235;
+		const double t241 = RNEA_FMA(8.81e-05, t196, 0.40642598*t190) + RNEA_FMA(c8, t236, s8*f8y_2);
+		const double t237 = RNEA_FMA(-s8, t236, c8*f8y_2);
+		const double t233 = RNEA_FMA(6.485645879358712e-05, dw9x + t223, RNEA_FMA(-0.0521288938802409, t226,
+			9.964911773372182e-07*(t229 - dw9z)));
+		const double t234 = RNEA_FMA(-4.74221434044232e-08, t223 - dw9x, RNEA_FMA(0.026184987085600013, dw9z,
+			0.02594390679464088*t229));
+		const double n9z = RNEA_FMA(0.11047775162039694, a9y, RNEA_FMA(6.485645879358712e-05, t227 - t225,
+			RNEA_FMA(-9.964911773372182e-07, dw9y + t226, t234)));
+		const double n9y = RNEA_FMA(-0.11047775162039694, a9z, RNEA_FMA(4.74221434044232e-08, t224 - t227,
+			t233));
+		const double n8y_2 = n8y + RNEA_FMA(-0.038667213067138925, t228, RNEA_FMA(sa9, n9x, ca9*n9y));
+		const double n8x_2 = n8x + RNEA_FMA(-sa9, n9y, ca9*n9x);
 		const double n7x_2 = n7x + RNEA_FMA(-s8, n8y_2, c8*n8x_2);
-		const double t251 = RNEA_FMA(s8, n8x_2, c8*n8y_2);
+		const double t238 = RNEA_FMA(s8, n8x_2, c8*n8y_2);
+		tau[14*stride] = n9z;
+		const double n8z_2 = n8z + RNEA_FMA(0.35, t235, n9z);
+		tau[13*stride] = n8z_2;
 
 		/* ---- back from link 8 "rf_upperleg" to link 7 (bpass): torque of "rf_hfe_joint" ---- */
-		const double t252 = RNEA_FMA(4.8965888601467475e-12, t250, f8z_2);
-		const double t253 = RNEA_FMA(4.8965888601467475e-12, f8z_2, -t250);
-		const double n7y_2 = n7y + RNEA_FMA(-0.08, t253, RNEA_FMA(4.8965888601467475e-12, t251, n8z_2));
-		const double n7z_2 = n7z + RNEA_FMA(0.08, t252, RNEA_FMA(4.8965888601467475e-12, n8z_2, -t251));
-		const double f7y_2 = f7y + t252;
+		const double t239 = RNEA_FMA(4.8965888601467475e-12, t237, f8z_2);
+		const double t240 = RNEA_FMA(4.8965888601467475e-12, f8z_2, -t237);
+		const double n7y_2 = n7y + RNEA_FMA(-0.08, t240, RNEA_FMA(4.8965888601467475e-12, t238, n8z_2));
+		const double n7z_2 = n7z + RNEA_FMA(0.08, t239, RNEA_FMA(4.8965888601467475e-12, n8z_2, -t238));
+		const double f7y_2 = f7y + t239;
 		tau[12*stride] = n7z_2;
-		const double f7z_2 = f7z + t253;
+		const double f7z_2 = f7z + t240;
 
 		/* ---- back from link 7 "rf_hipassembly" to link 0 (bpass): torque of "rf_haa_joint" ---- */
-		const double t254 = RNEA_FMA(-s7, f7y_2, c7*f7x_2);
-		const double t255 = RNEA_FMA(s7, f7x_2, c7*f7y_2);
-		const double f0y_4 = f0y_3 + t255;
+		const double t242 = RNEA_FMA(c7, t241, s7*f7y_2);
+		const double t243 = RNEA_FMA(-s7, t241, c7*f7y_2);
+		const double f0y_4 = f0y_3 + t243;
 		across[0] = f0y_4;
-		const double t256 = RNEA_FMA(-s7, n7y_2, c7*n7x_2);
-		const double t257 = RNEA_FMA(4.8965888601467475e-12, t254, f7z_2);
-		const double t258 = RNEA_FMA(4.8965888601467475e-12, f7z_2, -t254);
-		const double n0y_4 = n0y_3 + RNEA_FMA(-0.3735, t258, RNEA_FMA(s7, n7x_2, c7*n7y_2));
+		const double t244 = RNEA_FMA(-s7, n7y_2, c7*n7x_2);
+		const double t245 = RNEA_FMA(-4.8965888601467475e-12, t242, f7z_2);
+		const double t246 = RNEA_FMA(4.8965888601467475e-12, f7z_2, t242);
+		const double n0y_4 = n0y_3 + RNEA_FMA(-0.3735, t246, RNEA_FMA(s7, n7x_2, c7*n7y_2));
 		across[step] = n0y_4;
-		const double n0x_4 = n0x_3 + RNEA_FMA(-0.207, t258, RNEA_FMA(4.8965888601467475e-12, t256, n7z_2));
+		const double n0x_4 = n0x_3 + RNEA_FMA(-0.207, t246, RNEA_FMA(4.8965888601467475e-12, t244, n7z_2));
 		across[2*step] = n0x_4;
-		const double t259 = RNEA_FMA(4.8965888601467475e-12, n7z_2, -t256) + RNEA_FMA(0.3735, t255, 0.207*t257);
-		const double f0x_4 = f0x_3 + t257;
+		const double t247 = RNEA_FMA(4.8965888601467475e-12, n7z_2, -t244) + RNEA_FMA(0.3735, t243, 0.207*t245);
+		const double f0x_4 = f0x_3 + t245;
 		across[3*step] = f0x_4;
-		const double n0z_4 = n0z_3 + t259;
+		const double n0z_4 = n0z_3 + t247;
 		across[5*step] = n0z_4;
-		const double f0z_4 = f0z_3 + t258;
+		const double f0z_4 = f0z_3 + t246;
 		across[6*step] = f0z_4;
 	}
 	return all_small;
@@ -922,58 +879,55 @@ static RNEA_INLINE int hyq_rnea_segment3(const double *first_q, const double *fi
 		const double q10 = q[16*stride];
 		double s10, c10;
 		all_small &= rneagen_sincos_known(q10, known, sines + 18, &s10, &c10);
-		const double t189 = across[7*step];
+		const double t180 = across[7*step];
 		const double qd10 = qd[15*stride];
-		const double w10z = t189 + qd10;
-		const double t191 = across[12*step];
+		const double w10z = t180 + qd10;
+		const double t182 = across[12*step];
 		const double qdd10 = qdd[15*stride];
-		const double dw10z = t191 + qdd10;
-		const double t260 = across[16*step];
-		const double t262 = across[18*step];
-		const double t263 = RNEA_FMA(4.8965888601467475e-12, t260, -t262);
-		const double a10z = RNEA_FMA(4.8965888601467475e-12, t262, t260);
-		const double t188 = across[4*step];
+		const double dw10z = t182 + qdd10;
+		const double t248 = across[16*step];
+		const double t250 = across[18*step];
+		const double t251 = RNEA_FMA(4.8965888601467475e-12, t248, -t250);
+		const double a10z = RNEA_FMA(4.8965888601467475e-12, t250, t248);
+		const double t179 = across[4*step];
 		const double qd0wy = qd[4*stride];
-		const double w10x = RNEA_FMA(t188, c10, qd0wy*s10);
-		const double w10y = RNEA_FMA(s10, -t188, qd0wy*c10);
-		const double t190 = across[9*step];
+		const double w10x = RNEA_FMA(t179, c10, qd0wy*s10);
+		const double w10y = RNEA_FMA(s10, -t179, qd0wy*c10);
+		const double t181 = across[9*step];
 		const double qdd0wy = qdd[4*stride];
-		const double dw10x = RNEA_FMA(qd10, w10y, RNEA_FMA(t190, c10, qdd0wy*s10));
-		const double dw10y = RNEA_FMA(w10x, -qd10, RNEA_FMA(s10, -t190, qdd0wy*c10));
-		const double t261 = across[17*step];
-		const double a10x = RNEA_FMA(c10, t263, s10*t261);
-		const double a10y = RNEA_FMA(t263, -s10, c10*t261);
-		const double t264 = w10y*w10z;
-		const double t265 = w10z*w10z;
-		const double t266 = w10y*w10y;
-		const double t267 = t265 + t266;
-		const double t268 = t264 - dw10x;
-		const double t269 = w10x*w10z;
-		const double t270 = w10x*w10x;
-		const double t271 = t269 - dw10y;
-		const double t272 = dw10y + t269;
-		const double t273 = w10x*w10y;
-		const double t276 = RNEA_FMA(5e-05, t273 - dw10z, RNEA_FMA(0.14417575549, dw10y,
-			0.12366627845599999*t269));
-		const double t277 = RNEA_FMA(-0.022737817929, t265 - t270, RNEA_FMA(-4e-05, dw10x + t264, t276));
-		const double n10y = RNEA_FMA(-0.12490590000000001, a10z, 0.49607829999999997*a10x) + t277;
-		const double t274 = dw10z + t273;
-		const double t278 = RNEA_FMA(-5e-05, t272, RNEA_FMA(0.022737817929, t268, RNEA_FMA(0.011034738517,
-			dw10z,
-			0.009474738517000002*t273)));
-		const double f10y = RNEA_FMA(2.93, a10y, RNEA_FMA(0.49607829999999997, t268, 0.12490590000000001*t274));
-		const double f10x = RNEA_FMA(2.93, a10x, RNEA_FMA(-0.12490590000000001, t267,
-			0.49607829999999997*t272));
-		const double t281 = RNEA_FMA(-0.08, t267, a10x);
-		const double n10z = RNEA_FMA(0.12490590000000001, a10y, RNEA_FMA(-4e-05, t270 - t266, t278));
-		const double f10z = RNEA_FMA(2.93, a10z, RNEA_FMA(-0.49607829999999997, t266 + t270,
-			0.12490590000000001*t271));
-		const double t283 = RNEA_FMA(0.08, t271, a10z);
-		const double t275 = RNEA_FMA(-0.022737817929, t274, RNEA_FMA(4e-05, t271, RNEA_FMA(-0.133141016973,
-			t264,
-			0.134701016973*dw10x)));
-		const double t282 = RNEA_FMA(0.08, t274, a10y);
-		const double n10x = RNEA_FMA(-0.49607829999999997, a10y, RNEA_FMA(-5e-05, t266 - t265, t275));
+		const double dw10x = RNEA_FMA(qd10, w10y, RNEA_FMA(t181, c10, qdd0wy*s10));
+		const double dw10y = RNEA_FMA(w10x, -qd10, RNEA_FMA(s10, -t181, qdd0wy*c10));
+		const double t249 = across[17*step];
+		const double a10x = RNEA_FMA(c10, t251, s10*t249);
+		const double a10y = RNEA_FMA(t251, -s10, c10*t249);
+		const double t252 = w10y*w10z;
+		const double t253 = w10z*w10z;
+		const double t254 = w10y*w10y;
+		const double t255 = t253 + t254;
+		const double t256 = dw10x + t252;
+		const double t257 = w10x*w10z;
+		const double t258 = w10x*w10x;
+		const double t259 = t257 - dw10y;
+		const double t260 = w10x*w10y;
+		const double t261 = t260 - dw10z;
+		const double t262 = dw10z + t260;
+		const double t265 = RNEA_FMA(0.022737817929000034, t252 - dw10x, RNEA_FMA(-0.18947331517783336, t260,
+			0.25502600501183337*dw10z));
+		const double t263 = RNEA_FMA(-0.022737817929000034, t262, RNEA_FMA(4.7048e-05, t259,
+			RNEA_FMA(0.18947331517783336, dw10x, 0.25502600501183337*t252)));
+		const double n10x = RNEA_FMA(8.81e-05, a10z, RNEA_FMA(-5.000000108444587e-05, t254 - t253, t263));
+		const double t266 = RNEA_FMA(-4.7048e-05, t258 - t254, RNEA_FMA(-5.000000108444587e-05, dw10y + t257,
+			t265));
+		const double t264 = RNEA_FMA(-0.022737817929000034, t253 - t258, RNEA_FMA(-4.7048e-05, t256,
+			RNEA_FMA(-0.065552689834, t257, 5.000000108444587e-05*t261)));
+		const double f10x = RNEA_FMA(-0.40642598, t255, 8.81e-05*t261);
+		const double t269 = RNEA_FMA(-0.08, t255, a10x);
+		const double n10z = RNEA_FMA(-8.81e-05, a10x, 0.40642598*a10y) + t266;
+		const double t270 = RNEA_FMA(0.08, t262, a10y);
+		const double f10y = RNEA_FMA(-8.81e-05, t253 + t258, 0.40642598*t262);
+		const double f10z = RNEA_FMA(8.81e-05, t256, 0.40642598*t259);
+		const double t271 = RNEA_FMA(0.08, t259, a10z);
+		const double n10y = RNEA_FMA(-0.40642598, a10z, t264);
 
 		/* ---- out to link 11 "rh_upperleg" (fpass) ---- */
 		const double q11 = q[17*stride];
@@ -981,142 +935,128 @@ static RNEA_INLINE int hyq_rnea_segment3(const double *first_q, const double *fi
 		all_small &= rneagen_sincos_known(q11, known, sines + 20, &s11, &c11);
 		const double qdd11 = qdd[16*stride];
 		const double dw11z = qdd11 + RNEA_FMA(4.8965888601467475e-12, dw10z, dw10y);
-		const double t280 = RNEA_FMA(4.8965888601467475e-12, dw10y, -dw10z);
-		const double t279 = RNEA_FMA(4.8965888601467475e-12, w10y, -w10z);
+		const double t268 = RNEA_FMA(4.8965888601467475e-12, dw10y, -dw10z);
+		const double t267 = RNEA_FMA(4.8965888601467475e-12, w10y, -w10z);
 		const double qd11 = qd[16*stride];
 		const double w11z = qd11 + RNEA_FMA(4.8965888601467475e-12, w10z, w10y);
-		const double t284 = RNEA_FMA(4.8965888601467475e-12, t282, -t283);
-		const double a11z = RNEA_FMA(4.8965888601467475e-12, t283, t282);
-		const double w11x = RNEA_FMA(w10x, c11, s11*t279);
-		const double w11y = RNEA_FMA(s11, -w10x, c11*t279);
-		const double dw11x = RNEA_FMA(qd11, w11y, RNEA_FMA(dw10x, c11, s11*t280));
-		const double dw11y = RNEA_FMA(w11x, -qd11, RNEA_FMA(s11, -dw10x, c11*t280));
-		const double a11x = RNEA_FMA(c11, t281, s11*t284);
-		const double a11y = RNEA_FMA(t281, -s11, c11*t284);
-		const double t285 = w11y*w11z;
-		const double t286 = w11z*w11z;
-		const double t287 = w11y*w11y;
-		const double t288 = t286 + t287;
-		const double t289 = dw11x + t285;
-		const double t290 = w11x*w11z;
-		const double t291 = w11x*w11x;
-		const double t292 = t290 - dw11y;
-		const double t293 = w11x*w11y;
-		const double t294 = t293 - dw11z;
-		const double t295 = dw11z + t293;
-		const double t298 = RNEA_FMA(0.0001, t285 - dw11x, RNEA_FMA(0.08986982744380001, dw11z,
-			0.0816343336938*t293));
-		const double t296 = RNEA_FMA(-0.0001, t295, RNEA_FMA(0.00741836815, t292, RNEA_FMA(0.005497746875,
-			dw11x,
-			0.0027377468750000005*t285)));
-		const double n11x = RNEA_FMA(0.06924749999999999, a11z, RNEA_FMA(2e-05, t287 - t286, t296));
-		const double t299 = RNEA_FMA(-0.00741836815, t291 - t287, RNEA_FMA(2e-05, dw11y + t290, t298));
-		const double t297 = RNEA_FMA(-0.00741836815, t289, RNEA_FMA(-2e-05, t294, RNEA_FMA(-0.08437208056880001,
-			t290,
-			0.08713208056880001*dw11y)));
-		const double f11x = RNEA_FMA(2.638, a11x, RNEA_FMA(-0.39765212, t288, 0.06924749999999999*t294));
-		const double t300 = RNEA_FMA(-0.35, t288, a11x);
-		const double n11z = RNEA_FMA(-0.06924749999999999, a11x, 0.39765212*a11y) + t299;
-		const double f11z = RNEA_FMA(2.638, a11z, RNEA_FMA(0.06924749999999999, t289, 0.39765212*t292));
-		const double a12z = RNEA_FMA(0.35, t292, a11z);
-		const double n11y = RNEA_FMA(-0.39765212, a11z, RNEA_FMA(-0.0001, t286 - t291, t297));
-		const double f11y = RNEA_FMA(2.638, a11y, RNEA_FMA(-0.06924749999999999, t286 + t291, 0.39765212*t295));
-		const double t301 = RNEA_FMA(0.35, t295, a11y);
+		const double t272 = RNEA_FMA(4.8965888601467475e-12, t270, -t271);
+		const double a11z = RNEA_FMA(4.8965888601467475e-12, t271, t270);
+		const double w11x = RNEA_FMA(w10x, c11, s11*t267);
+		const double w11y = RNEA_FMA(s11, -w10x, c11*t267);
+		const double dw11x = RNEA_FMA(qd11, w11y, RNEA_FMA(dw10x, c11, s11*t268));
+		const double dw11y = RNEA_FMA(w11x, -qd11, RNEA_FMA(s11, -dw10x, c11*t268));
+		const double a11x = RNEA_FMA(c11, t269, s11*t272);
+		const double a11y = RNEA_FMA(t269, -s11, c11*t272);
+		const double t273 = w11y*w11z;
+		const double t274 = w11z*w11z;
+		const double t275 = w11y*w11y;
+		const double t276 = t274 + t275;
+		const double t277 = dw11x + t273;
+		const double t278 = w11x*w11z;
+		const double t279 = w11x*w11x;
+		const double t280 = t278 - dw11y;
+		const double t281 = w11x*w11y;
+		const double t282 = t281 - dw11z;
+		const double t283 = dw11z + t281;
+		const double t286 = RNEA_FMA(0.00013083500000000002, t273 - dw11x, RNEA_FMA(0.1977924499438, dw11z,
+			0.1895569561938*t281));
+		const double t284 = RNEA_FMA(-0.00013083500000000002, t283, RNEA_FMA(0.00741836815, t280,
+			RNEA_FMA(-0.1895569561938, dw11x, 0.1977924499438*t273)));
+		const double n11x = RNEA_FMA(0.06924749999999999, a11z, RNEA_FMA(2e-05, t275 - t274, t284));
+		const double t287 = RNEA_FMA(-0.00741836815, t279 - t275, RNEA_FMA(2e-05, dw11y + t278, t286));
+		const double t285 = RNEA_FMA(0.00013083500000000002, t274 - t279, RNEA_FMA(0.00741836815, t277,
+			RNEA_FMA(2e-05,
+			t282, 0.3873494061376*t278)));
+		const double f11x = RNEA_FMA(-0.70600247, t276, 0.06924749999999999*t282);
+		const double f11z = RNEA_FMA(0.06924749999999999, t277, 0.70600247*t280);
+		const double a12z = RNEA_FMA(0.35, t280, a11z);
+		const double f11y = RNEA_FMA(-0.06924749999999999, t274 + t279, 0.70600247*t283);
+		const double n11z = RNEA_FMA(-0.06924749999999999, a11x, 0.70600247*a11y) + t287;
 
 		/* ---- out to link 12 "rh_lowerleg" (fpass) ---- */
 		const double q12 = q[18*stride];
 		double s12, c12;
 		all_small &= rneagen_sincos_known(q12, known, sines + 22, &s12, &c12);
+		const double sa12 = RNEA_FMA(-0.00031897825112412793, c12, 0.9999999491264364*s12);
+		const double ca12 = RNEA_FMA(0.9999999491264364, c12, 0.00031897825112412793*s12);
+		const double a12y = RNEA_FMA(RNEA_FMA(-0.35, t276, a11x), -sa12, ca12*RNEA_FMA(0.35, t283, a11y));
 		const double qd12 = qd[17*stride];
 		const double w12z = w11z + qd12;
 		const double qdd12 = qdd[17*stride];
 		const double dw12z = dw11z + qdd12;
-		const double w12x = RNEA_FMA(w11x, c12, w11y*s12);
-		const double w12y = RNEA_FMA(s12, -w11x, w11y*c12);
-		const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw11x, c12, dw11y*s12));
-		const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw11x, dw11y*c12));
-		const double a12x = RNEA_FMA(c12, t300, s12*t301);
-		const double a12y = RNEA_FMA(t300, -s12, c12*t301);
-		const double t302 = w12y*w12z;
-		const double t303 = w12z*w12z;
-		const double t307 = w12x*w12z;
-		const double t304 = w12y*w12y;
-		const double t311 = w12x*w12y;
-		const double t308 = w12x*w12x;
-		const double t305 = t302 - dw12x;
-		const double t306 = dw12x + t302;
-		const double t309 = t307 - dw12y;
-		const double t310 = dw12y + t307;
-		const double t312 = t311 - dw12z;
-		const double t316 = RNEA_FMA(-5.4580904000004895e-05, t306, RNEA_FMA(9.96476000009793e-07, t312,
-			RNEA_FMA(-0.02571397686600003, t307, 0.026414994486000012*dw12y)));
-		const double t314 = RNEA_FMA(8.81e-05, t310, -RNEA_FMA(3.524e-05, t312, 0.11047774600000002*(t303
-			+ t304)));
-		const double t317 = RNEA_FMA(-9.96476000009793e-07, t310, RNEA_FMA(2.0477399999951043e-06, t305,
-			RNEA_FMA(0.026184987085600013, dw12z, 0.02594398426640003*t311)));
-		const double t313 = dw12z + t311;
-		const double t315 = RNEA_FMA(-2.0477399999951043e-06, t313, RNEA_FMA(5.4580904000004895e-05, t309,
-			RNEA_FMA(-0.0002300074003999993, t302, 0.0004710102195999804*dw12x)));
-		const double f12z = RNEA_FMA(0.881001, a12z, RNEA_FMA(-8.81e-05, t304 + t308, RNEA_FMA(-3.524e-05, t306,
-			0.11047774600000002*t309)));
-		const double f11z_2 = f11z + f12z;
-		const double f12y = RNEA_FMA(0.881001, a12y, RNEA_FMA(8.81e-05, t305, RNEA_FMA(3.524e-05, t303 + t308,
-			0.11047774600000002*t313)));
-		const double n12x = RNEA_FMA(-9.96476000009793e-07, t304 - t303, t315) - RNEA_FMA(3.524e-05, a12z,
-			8.81e-05*a12y);
-		const double n12z = RNEA_FMA(0.11047774600000002, a12y, 3.524e-05*a12x)
-			+ RNEA_FMA(-5.4580904000004895e-05, t308
-			- t304, t317);
-		const double n12y = RNEA_FMA(-0.11047774600000002, a12z, 8.81e-05*a12x)
-			+ RNEA_FMA(-2.0477399999951043e-06, t303
-			- t308, t316);
-		const double f12x = RNEA_FMA(0.881001, a12x, t314);
-		const double f11x_2 = f11x + RNEA_FMA(-s12, f12y, c12*f12x);
-		const double t318 = RNEA_FMA(s12, f12x, c12*f12y);
-		const double n11z_2 = n11z + RNEA_FMA(0.35, t318, n12z);
-		tau[17*stride] = n12z;
-		const double f11y_2 = f11y + t318;
+		const double w12x = RNEA_FMA(w11x, ca12, w11y*sa12);
+		const double w12y = RNEA_FMA(sa12, -w11x, w11y*ca12);
+		const double dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw11x, ca12, dw11y*sa12));
+		const double dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(sa12, -dw11x, dw11y*ca12));
+		const double t288 = w12y*w12z;
+		const double t289 = w12z*w12z;
+		const double t291 = w12x*w12z;
+		const double t290 = w12y*w12y;
+		const double t294 = w12x*w12y;
+		const double t292 = w12x*w12x;
+		const double t293 = t291 - dw12y;
+		const double f11z_2 = RNEA_FMA(0.11047775162039694, t293, f11z);
+		const double t295 = dw12z + t294;
+		const double t296 = 0.11047775162039694*(t289 + t290);
+		const double f12y = 0.11047775162039694*t295;
+		const double t297 = RNEA_FMA(-2.0474220416475028e-06, t295, RNEA_FMA(6.28564592005854e-05, t293,
+			RNEA_FMA(-0.02594390934646676, dw12x, 0.026184987085600013*t288)));
+		const double n12x = RNEA_FMA(-9.971291338394633e-07, t290 - t289, t297);
+		const double f11x_2 = f11x - RNEA_FMA(ca12, t296, sa12*f12y);
+		const double t300 = RNEA_FMA(-sa12, t296, ca12*f12y);
+		const double f11y_2 = f11y + t300;
 		const double f10x_2 = f10x + RNEA_FMA(-s11, f11y_2, c11*f11x_2);
-		const double t319 = RNEA_FMA(s11, f11x_2, c11*f11y_2);
+		const double t301 = RNEA_FMA(s11, f11x_2, c11*f11y_2);
+		const double t298 = RNEA_FMA(-6.28564592005854e-05, dw12x + t288, RNEA_FMA(-0.05212889643206677, t291,
+			9.971291338394633e-07*(t294 - dw12z)));
+		const double t299 = RNEA_FMA(2.0474220416475028e-06, t288 - dw12x, RNEA_FMA(0.026184987085600013, dw12z,
+			0.02594390934646676*t294));
+		const double n12z = RNEA_FMA(0.11047775162039694, a12y, RNEA_FMA(-6.28564592005854e-05, t292 - t290,
+			RNEA_FMA(-9.971291338394633e-07, dw12y + t291, t299)));
+		const double n12y = RNEA_FMA(-0.11047775162039694, a12z, RNEA_FMA(-2.0474220416475028e-06, t289 - t292,
+			t298));
+		const double n11y = RNEA_FMA(-0.038667213067138925, t293, RNEA_FMA(sa12, n12x, ca12*n12y))
+			- RNEA_FMA(0.70600247, a11z, t285);
+		const double n11x_2 = n11x + RNEA_FMA(-sa12, n12y, ca12*n12x);
+		const double n10x_2 = n10x + RNEA_FMA(-s11, n11y, c11*n11x_2);
+		const double t302 = RNEA_FMA(s11, n11x_2, c11*n11y);
+		tau[17*stride] = n12z;
+		const double n11z_2 = n11z + RNEA_FMA(0.35, t300, n12z);
 		tau[16*stride] = n11z_2;
-		const double n11y_2 = n11y + RNEA_FMA(-0.35, f12z, RNEA_FMA(s12, n12x, c12*n12y));
-		const double n11x_2 = n11x + RNEA_FMA(-s12, n12y, c12*n12x);
-		const double n10x_2 = n10x + RNEA_FMA(-s11, n11y_2, c11*n11x_2);
-		const double t320 = RNEA_FMA(s11, n11x_2, c11*n11y_2);
 
 		/* ---- back from link 11 "rh_upperleg" to link 10 (bpass): torque of "rh_hfe_joint" ---- */
-		const double t321 = RNEA_FMA(4.8965888601467475e-12, t319, f11z_2);
-		const double t322 = RNEA_FMA(4.8965888601467475e-12, f11z_2, -t319);
-		const double n10y_2 = n10y + RNEA_FMA(-0.08, t322, RNEA_FMA(4.8965888601467475e-12, t320, n11z_2));
-		const double n10z_2 = n10z + RNEA_FMA(0.08, t321, RNEA_FMA(4.8965888601467475e-12, n11z_2, -t320));
-		const double f10y_2 = f10y + t321;
+		const double t303 = RNEA_FMA(4.8965888601467475e-12, t301, f11z_2);
+		const double t304 = RNEA_FMA(4.8965888601467475e-12, f11z_2, -t301);
+		const double n10y_2 = n10y + RNEA_FMA(-0.08, t304, RNEA_FMA(4.8965888601467475e-12, t302, n11z_2));
+		const double n10z_2 = n10z + RNEA_FMA(0.08, t303, RNEA_FMA(4.8965888601467475e-12, n11z_2, -t302));
+		const double f10y_2 = f10y + t303;
 		tau[15*stride] = n10z_2;
-		const double f10z_2 = f10z + t322;
+		const double f10z_2 = f10z + t304;
 
 		/* ---- back from link 10 "rh_hipassembly" to link 0 (bpass): torque of "rh_haa_joint" ---- */
-		const double t323 = RNEA_FMA(-s10, f10y_2, c10*f10x_2);
-		const double t324 = RNEA_FMA(s10, f10x_2, c10*f10y_2);
+		const double t305 = RNEA_FMA(-s10, f10y_2, c10*f10x_2);
+		const double t306 = RNEA_FMA(s10, f10x_2, c10*f10y_2);
 		const double f0y_4 = across[0];
-		const double f0y_5 = f0y_4 + t324;
+		const double f0y_5 = f0y_4 + t306;
 		tau[stride] = f0y_5;
-		const double t325 = RNEA_FMA(-s10, n10y_2, c10*n10x_2);
-		const double t326 = RNEA_FMA(4.8965888601467475e-12, t323, f10z_2);
-		const double t327 = RNEA_FMA(4.8965888601467475e-12, f10z_2, -t323);
+		const double t307 = RNEA_FMA(-s10, n10y_2, c10*n10x_2);
+		const double t308 = RNEA_FMA(4.8965888601467475e-12, t305, f10z_2);
+		const double t309 = RNEA_FMA(4.8965888601467475e-12, f10z_2, -t305);
 		const double n0y_4 = across[step];
-		const double n0y_5 = n0y_4 + RNEA_FMA(0.3735, t327, RNEA_FMA(s10, n10x_2, c10*n10y_2));
+		const double n0y_5 = n0y_4 + RNEA_FMA(0.3735, t309, RNEA_FMA(s10, n10x_2, c10*n10y_2));
 		tau[4*stride] = n0y_5;
 		const double n0x_4 = across[2*step];
-		const double n0x_5 = n0x_4 + RNEA_FMA(-0.207, t327, RNEA_FMA(4.8965888601467475e-12, t325, n10z_2));
-		const double t328 = RNEA_FMA(4.8965888601467475e-12, n10z_2, -t325) + RNEA_FMA(-0.3735, t324,
-			0.207*t326);
+		const double n0x_5 = n0x_4 + RNEA_FMA(-0.207, t309, RNEA_FMA(4.8965888601467475e-12, t307, n10z_2));
+		const double t310 = RNEA_FMA(4.8965888601467475e-12, n10z_2, -t307) + RNEA_FMA(-0.3735, t306,
+			0.207*t308);
 		const double f0x_4 = across[3*step];
-		const double f0x_5 = f0x_4 + t326;
+		const double f0x_5 = f0x_4 + t308;
 		tau[0] = f0x_5;
 		const double n0z_4 = across[5*step];
-		const double n0z_5 = n0z_4 + t328;
+		const double n0z_5 = n0z_4 + t310;
 		tau[5*stride] = n0z_5;
 		const double f0z_4 = across[6*step];
-		const double f0z_5 = f0z_4 + t327;
+		const double f0z_5 = f0z_4 + t309;
 		tau[2*stride] = f0z_5;
 		tau[3*stride] = n0x_5;
 
@@ -1185,38 +1125,37 @@ static RNEA_INLINE int hyq_rnea_beside_segment0(const double *first_q, const dou
 		const double t17 = qd0wx*qd0wy;
 		const double qdd0wz = qdd[5*stride];
 		const double t18 = t17 - qdd0wz;
-		const double t21 = RNEA_FMA(-0.045020362359999996, t11, RNEA_FMA(0.00915326907852, t18,
-			RNEA_FMA(-7.814626778932237, t12, 8.695237318507763*qdd0wy)));
+		const double t21 = RNEA_FMA(-0.04502036235999231, t11, RNEA_FMA(0.00915326907852, t18,
+			RNEA_FMA(-10.597734865101236, t12, 11.478345404676762*qdd0wy)));
 		const double n0y = RNEA_FMA(-3.4189836000000002, a0z, 0.2200155852*a0x) + RNEA_FMA(-0.21587546426503998,
 			t7
 			- t13, t21);
 		across[0] = n0y;
 		const double t19 = qdd0wz + t17;
 		const double t22 = RNEA_FMA(-0.00915326907852, t16, RNEA_FMA(0.21587546426503998, t10,
-			RNEA_FMA(9.4163573089,
-			qdd0wz, 7.093506788539999*t17)));
-		const double f0y = RNEA_FMA(60.978001, a0y, RNEA_FMA(0.2200155852, t10, RNEA_FMA(-1.3106418, t14,
+			RNEA_FMA(13.304798370464999, qdd0wz, 8.771281899313*t17)));
+		const double f0y = RNEA_FMA(86.774005, a0y, RNEA_FMA(0.2200155852, t10, RNEA_FMA(-1.3106418, t14,
 			3.4189836000000002*t19)));
 		across[step] = f0y;
 		const rneagen_lanes t31 = a0y + RNEA_LANES_FMA(RNEA_LANES(-0.207, -0.207, 0.207, 0.207),
 			RNEA_SPLAT(t14),
 			RNEA_LANES(0.3735, -0.3735, 0.3735, -0.3735)*t19);
-		const double t20 = RNEA_FMA(-0.21587546426503998, t19, RNEA_FMA(0.045020362359999996, t15,
-			RNEA_FMA(1.6017305299677633, qdd0wx, 0.7211199903922375*t6)));
+		const double t20 = RNEA_FMA(-0.21587546426503998, t19, RNEA_FMA(0.04502036235999231, t15,
+			RNEA_FMA(2.707063505363763, qdd0wx, 1.8264529657882373*t6)));
 		const double n0x = RNEA_FMA(-0.2200155852, a0y, 1.3106418*a0z) + RNEA_FMA(-0.00915326907852, t8 - t7,
 			t20);
 		across[2*step] = n0x;
-		const double n0z = RNEA_FMA(-1.3106418, a0x, 3.4189836000000002*a0y) + RNEA_FMA(-0.045020362359999996,
+		const double n0z = RNEA_FMA(-1.3106418, a0x, 3.4189836000000002*a0y) + RNEA_FMA(-0.04502036235999231,
 			t13 - t8,
 			t22);
 		across[3*step] = n0z;
-		const double f0z = RNEA_FMA(60.978001, a0z, RNEA_FMA(-0.2200155852, t8 + t13, RNEA_FMA(1.3106418, t11,
+		const double f0z = RNEA_FMA(86.774005, a0z, RNEA_FMA(-0.2200155852, t8 + t13, RNEA_FMA(1.3106418, t11,
 			3.4189836000000002*t15)));
 		across[4*step] = f0z;
 		const rneagen_lanes t32 = a0z + RNEA_LANES_FMA(RNEA_LANES(0.207, 0.207, -0.207, -0.207),
 			RNEA_SPLAT(t11),
 			RNEA_LANES(0.3735, -0.3735, 0.3735, -0.3735)*t15);
-		const double f0x = RNEA_FMA(60.978001, a0x, RNEA_FMA(0.2200155852, t16, RNEA_FMA(-3.4189836000000002,
+		const double f0x = RNEA_FMA(86.774005, a0x, RNEA_FMA(0.2200155852, t16, RNEA_FMA(-3.4189836000000002,
 			t9,
 			1.3106418*t18)));
 		across[5*step] = f0x;
@@ -1257,117 +1196,111 @@ static RNEA_INLINE int hyq_rnea_beside_segment0(const double *first_q, const dou
 			RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, -2.0682310711021444e-13, 0.0, 0.0),
 			RNEA_SPLAT(qdd0wy), RNEA_LANES(-1.0, -1.0, 1.0, 1.0)*qdd0wx));
 		wide_across[2*step] = dw1z_wide;
-		const rneagen_lanes t28 = RNEA_LANES_FMA(RNEA_LANES(-1.0127277222968137e-24, -1.0127277222968137e-24,
-			0.0, 0.0),
+		const rneagen_lanes t28 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, -1.0), RNEA_SPLAT(qdd0wz),
+			RNEA_LANES_FMA(RNEA_LANES(-1.0127277222968137e-24, -1.0127277222968137e-24, 0.0, 0.0),
 			RNEA_SPLAT(qdd0wy), RNEA_LANES(-4.8965888601467475e-12, -4.8965888601467475e-12,
-				4.8965888601467475e-12,
-			4.8965888601467475e-12)*qdd0wx) - qdd0wz;
-		const rneagen_lanes t29 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), RNEA_SPLAT(qdd0wy),
+			-4.8965888601467475e-12, 4.8965888601467475e-12)*qdd0wx));
+		const rneagen_lanes t29 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, -1.0, 1.0), RNEA_SPLAT(qdd0wy),
 			RNEA_LANES(2.0682310711021444e-13, 2.0682310711021444e-13, 0.0, 0.0)*qdd0wx);
-		const rneagen_lanes t26 = RNEA_LANES_FMA(RNEA_LANES(-1.0127277222968137e-24, -1.0127277222968137e-24,
-			0.0, 0.0),
+		const rneagen_lanes t26 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, -1.0), RNEA_SPLAT(qd0wz),
+			RNEA_LANES_FMA(RNEA_LANES(-1.0127277222968137e-24, -1.0127277222968137e-24, 0.0, 0.0),
 			RNEA_SPLAT(qd0wy), RNEA_LANES(-4.8965888601467475e-12, -4.8965888601467475e-12,
-				4.8965888601467475e-12,
-			4.8965888601467475e-12)*qd0wx) - qd0wz;
+				-4.8965888601467475e-12,
+			4.8965888601467475e-12)*qd0wx));
 		const rneagen_lanes w1z_wide = t25 + RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12),
 			RNEA_SPLAT(qd0wz),
 			RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, -2.0682310711021444e-13, 0.0, 0.0),
 			RNEA_SPLAT(qd0wy), RNEA_LANES(-1.0, -1.0, 1.0, 1.0)*qd0wx));
 		wide_across[3*step] = w1z_wide;
-		const rneagen_lanes t27 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), RNEA_SPLAT(qd0wy),
+		const rneagen_lanes t27 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, -1.0, 1.0), RNEA_SPLAT(qd0wy),
 			RNEA_LANES(2.0682310711021444e-13, 2.0682310711021444e-13, 0.0, 0.0)*qd0wx);
-		const rneagen_lanes t33 = RNEA_LANES_FMA(RNEA_LANES(-1.0127277222968137e-24, -1.0127277222968137e-24,
-			0.0, 0.0),
-			t31, RNEA_LANES(-4.8965888601467475e-12, -4.8965888601467475e-12, 4.8965888601467475e-12,
-			4.8965888601467475e-12)*t30) - t32;
+		const rneagen_lanes t33 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, -1.0), t32,
+			RNEA_LANES_FMA(RNEA_LANES(-1.0127277222968137e-24, -1.0127277222968137e-24, 0.0, 0.0), t31,
+			RNEA_LANES(-4.8965888601467475e-12, -4.8965888601467475e-12, -4.8965888601467475e-12,
+			4.8965888601467475e-12)*t30));
 		const rneagen_lanes a1z_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), t32,
 			RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, -2.0682310711021444e-13, 0.0, 0.0), t31,
 			RNEA_LANES(-1.0, -1.0, 1.0, 1.0)*t30));
-		const rneagen_lanes t34 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), t31,
+		const rneagen_lanes t34 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, -1.0, 1.0), t31,
 			RNEA_LANES(2.0682310711021444e-13, 2.0682310711021444e-13, 0.0, 0.0)*t30);
 		const rneagen_lanes w1x_wide = RNEA_LANES_FMA(t24, t26, t23*t27);
-		wide_across[4*step] = w1x_wide;
 		const rneagen_lanes w1y_wide = RNEA_LANES_FMA(t26, -t23, t24*t27);
-		wide_across[5*step] = w1y_wide;
+		wide_across[4*step] = w1y_wide;
 		const rneagen_lanes dw1x_wide = RNEA_LANES_FMA(t25, w1y_wide, RNEA_LANES_FMA(t24, t28, t23*t29));
-		wide_across[6*step] = dw1x_wide;
 		const rneagen_lanes dw1y_wide = RNEA_LANES_FMA(w1x_wide, -t25, RNEA_LANES_FMA(t28, -t23, t24*t29));
-		wide_across[7*step] = dw1y_wide;
+		wide_across[5*step] = dw1y_wide;
 		const rneagen_lanes a1x_wide = RNEA_LANES_FMA(t24, t33, t23*t34);
 		const rneagen_lanes a1y_wide = RNEA_LANES_FMA(t33, -t23, t24*t34);
 		const rneagen_lanes t35 = w1y_wide*w1z_wide;
 		const rneagen_lanes t36 = w1z_wide*w1z_wide;
 		const rneagen_lanes t37 = w1y_wide*w1y_wide;
 		const rneagen_lanes t38 = t36 + t37;
-		const rneagen_lanes t39 = t35 - dw1x_wide;
+		const rneagen_lanes t39 = dw1x_wide + t35;
 		const rneagen_lanes t40 = w1x_wide*w1z_wide;
 		const rneagen_lanes t41 = w1x_wide*w1x_wide;
 		const rneagen_lanes t42 = t40 - dw1y_wide;
-		const rneagen_lanes t43 = dw1y_wide + t40;
-		const rneagen_lanes t44 = w1x_wide*w1y_wide;
-		const rneagen_lanes t47 = RNEA_LANES_FMA(RNEA_SPLAT(5e-05), t44 - dw1z_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.14417575549), dw1y_wide, 0.12366627845599999*t40));
-		const rneagen_lanes t48 = RNEA_LANES_FMA(RNEA_LANES(-0.022737817929, 0.022737817929, 0.022737817929,
-			-0.022737817929), t36 - t41, RNEA_LANES_FMA(RNEA_LANES(-4e-05, 4e-05, 4e-05, -4e-05), dw1x_wide
-				+ t35,
-			t47));
-		const rneagen_lanes n1y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.12490590000000001), a1z_wide,
-			RNEA_LANES(0.49607829999999997, -0.49607829999999997, -0.49607829999999997,
-			0.49607829999999997)*a1x_wide) + t48;
-		wide_across[8*step] = n1y_wide;
-		const rneagen_lanes t45 = dw1z_wide + t44;
-		const rneagen_lanes t49 = RNEA_LANES_FMA(RNEA_SPLAT(-5e-05), t43,
-			RNEA_LANES_FMA(RNEA_LANES(0.022737817929,
-			-0.022737817929, -0.022737817929, 0.022737817929), t39,
-				RNEA_LANES_FMA(RNEA_SPLAT(0.011034738517),
-			dw1z_wide, 0.009474738517000002*t44)));
-		const rneagen_lanes f1y_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.93), a1y_wide,
-			RNEA_LANES_FMA(RNEA_LANES(0.49607829999999997, -0.49607829999999997, -0.49607829999999997,
-			0.49607829999999997), t39, 0.12490590000000001*t45));
-		wide_across[9*step] = f1y_wide;
-		const rneagen_lanes f1x_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.93), a1x_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.12490590000000001), t38, RNEA_LANES(0.49607829999999997,
-			-0.49607829999999997, -0.49607829999999997, 0.49607829999999997)*t43));
-		wide_across[10*step] = f1x_wide;
-		const rneagen_lanes t55 = RNEA_LANES_FMA(RNEA_SPLAT(-0.08), t38, a1x_wide);
-		wide_across[11*step] = t55;
-		const rneagen_lanes n1z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.12490590000000001), a1y_wide,
-			RNEA_LANES_FMA(RNEA_LANES(-4e-05, 4e-05, 4e-05, -4e-05), t41 - t37, t49));
-		wide_across[12*step] = n1z_wide;
-		const rneagen_lanes f1z_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.93), a1z_wide,
-			RNEA_LANES_FMA(RNEA_LANES(-0.49607829999999997, 0.49607829999999997, 0.49607829999999997,
-			-0.49607829999999997), t37 + t41, 0.12490590000000001*t42));
-		wide_across[13*step] = f1z_wide;
-		const rneagen_lanes t57 = RNEA_LANES_FMA(RNEA_SPLAT(0.08), t42, a1z_wide);
-		wide_across[14*step] = t57;
-		const rneagen_lanes t46 = RNEA_LANES_FMA(RNEA_LANES(-0.022737817929, 0.022737817929, 0.022737817929,
-			-0.022737817929), t45, RNEA_LANES_FMA(RNEA_LANES(4e-05, -4e-05, -4e-05, 4e-05), t42,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.133141016973), t35, 0.134701016973*dw1x_wide)));
-		const rneagen_lanes t56 = RNEA_LANES_FMA(RNEA_SPLAT(0.08), t45, a1y_wide);
-		wide_across[15*step] = t56;
-		const rneagen_lanes n1x_wide = RNEA_LANES_FMA(RNEA_LANES(-0.49607829999999997, 0.49607829999999997,
-			0.49607829999999997, -0.49607829999999997), a1y_wide, RNEA_LANES_FMA(RNEA_SPLAT(-5e-05), t37
-				- t36,
-			t46));
-		wide_across[16*step] = n1x_wide;
-
-		/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
-		const double q2 = q[8*stride];
-		double s2, c2;
-		all_small &= rneagen_sincos_known(q2, known, sines + 2, &s2, &c2);
-		const double q5 = q[11*stride];
-		double s5, c5;
-		all_small &= rneagen_sincos_known(q5, known, sines + 8, &s5, &c5);
-		const double q8 = q[14*stride];
-		double s8, c8;
-		all_small &= rneagen_sincos_known(q8, known, sines + 14, &s8, &c8);
-		const double q11 = q[17*stride];
-		double s11, c11;
-		all_small &= rneagen_sincos_known(q11, known, sines + 20, &s11, &c11);
-		const rneagen_lanes t51 = RNEA_LANES(c2, c5, c8, c11);
-		wide_across[17*step] = t51;
-		const rneagen_lanes t50 = RNEA_LANES(s2, s5, s8, s11);
-		wide_across[18*step] = t50;
+		const rneagen_lanes t43 = w1x_wide*w1y_wide;
+		const rneagen_lanes t53 = RNEA_LANES(1.0, 1.0, -1.0, 1.0)*w1x_wide;
+		wide_across[6*step] = t53;
+		const rneagen_lanes t44 = t43 - dw1z_wide;
+		const rneagen_lanes t45 = dw1z_wide + t43;
+		const rneagen_lanes t48 = RNEA_LANES_FMA(RNEA_LANES(0.022737817928999964, -0.022737817928999964,
+			0.022737817929000034, 0.022737817929000034), t35 - dw1x_wide,
+			RNEA_LANES_FMA(RNEA_LANES(0.25502600373592044, 0.25502600501183337, 0.25502600373592044,
+			0.25502600501183337), dw1z_wide, RNEA_LANES(-0.18947331390192043, -0.18947331517783336,
+			-0.18947331390192043, -0.18947331517783336)*t43));
+		const rneagen_lanes t46 = RNEA_LANES_FMA(RNEA_LANES(-0.022737817928999964, 0.022737817928999964,
+			-0.022737817929000034, -0.022737817929000034), t45, RNEA_LANES_FMA(RNEA_LANES(4.7048e-05,
+				-4.7048e-05,
+			-4.7048e-05, 4.7048e-05), t42, RNEA_LANES_FMA(RNEA_LANES(0.18947331390192043,
+				0.18947331517783336,
+			0.18947331390192043, 0.18947331517783336), dw1x_wide, RNEA_LANES(0.25502600373592044,
+			0.25502600501183337, 0.25502600373592044, 0.25502600501183337)*t35)));
+		const rneagen_lanes t55 = RNEA_LANES(1.0, 1.0, -1.0, 1.0)*dw1x_wide;
+		wide_across[7*step] = t55;
+		const rneagen_lanes n1x_wide = RNEA_LANES_FMA(RNEA_LANES(8.81e-05, -8.81e-05, 8.81e-05, 8.81e-05),
+			a1z_wide,
+			RNEA_LANES_FMA(RNEA_LANES(-4.9999998915554135e-05, -4.9999998915554135e-05,
+				5.000000108444587e-05,
+			-5.000000108444587e-05), t37 - t36, t46));
+		wide_across[8*step] = n1x_wide;
+		const rneagen_lanes t49 = RNEA_LANES_FMA(RNEA_LANES(-4.7048e-05, 4.7048e-05, 4.7048e-05, -4.7048e-05),
+			t41
+			- t37, RNEA_LANES_FMA(RNEA_LANES(-4.9999998915554135e-05, -4.9999998915554135e-05,
+			5.000000108444587e-05, -5.000000108444587e-05), dw1y_wide + t40, t48));
+		const rneagen_lanes t47 = RNEA_LANES_FMA(RNEA_LANES(-0.022737817928999964, 0.022737817928999964,
+			-0.022737817929000034, -0.022737817929000034), t36 - t41, RNEA_LANES_FMA(RNEA_LANES(-4.7048e-05,
+			4.7048e-05, 4.7048e-05, -4.7048e-05), t39, RNEA_LANES_FMA(RNEA_LANES(4.9999998915554135e-05,
+			4.9999998915554135e-05, -5.000000108444587e-05, 5.000000108444587e-05), t44,
+				RNEA_LANES(-0.065552689834,
+			-0.065552689834, -0.065552689834, -0.065552689834)*t40)));
+		const rneagen_lanes f1x_wide = RNEA_LANES_FMA(RNEA_LANES(-0.40642598, -0.40642598, 0.40642598,
+			-0.40642598),
+			t38, RNEA_LANES(8.81e-05, -8.81e-05, 8.81e-05, 8.81e-05)*t44);
+		wide_across[9*step] = f1x_wide;
+		const rneagen_lanes t59 = RNEA_LANES(1.0, 1.0, -1.0, 1.0)*RNEA_LANES_FMA(RNEA_LANES(-0.08, -0.08, 0.08,
+			-0.08),
+			t38, a1x_wide);
+		wide_across[10*step] = t59;
+		const rneagen_lanes n1z_wide = RNEA_LANES_FMA(RNEA_LANES(-8.81e-05, 8.81e-05, -8.81e-05, -8.81e-05),
+			a1x_wide,
+			RNEA_LANES(0.40642598, 0.40642598, -0.40642598, 0.40642598)*a1y_wide) + t49;
+		wide_across[11*step] = n1z_wide;
+		const rneagen_lanes t57 = RNEA_LANES_FMA(RNEA_LANES(0.08, 0.08, -0.08, 0.08), t45, a1y_wide);
+		wide_across[12*step] = t57;
+		const rneagen_lanes f1y_wide = RNEA_LANES_FMA(RNEA_LANES(-8.81e-05, 8.81e-05, -8.81e-05, -8.81e-05), t36
+			+ t41,
+			RNEA_LANES(0.40642598, 0.40642598, -0.40642598, 0.40642598)*t45);
+		wide_across[13*step] = f1y_wide;
+		const rneagen_lanes f1z_wide = RNEA_LANES_FMA(RNEA_LANES(8.81e-05, -8.81e-05, 8.81e-05, 8.81e-05), t39,
+			RNEA_LANES(0.40642598, 0.40642598, -0.40642598, 0.40642598)*t42);
+		wide_across[14*step] = f1z_wide;
+		const rneagen_lanes t58 = RNEA_LANES_FMA(RNEA_LANES(0.08, 0.08, -0.08, 0.08), t42, a1z_wide);
+		wide_across[15*step] = t58;
+		const rneagen_lanes n1y_wide = RNEA_LANES_FMA(RNEA_LANES(-0.40642598, -0.40642598, 0.40642598,
+			-0.40642598),
+			a1z_wide, t47);
+		wide_across[16*step] = n1y_wide;
 	}
 	return all_small;
 }
@@ -1387,6 +1320,22 @@ static RNEA_INLINE int hyq_rnea_beside_segment1(const double *first_q, const dou
 		double *const tau = first_tau + l;
 		double *const across = first_across + l;
 		rneagen_lanes *const wide_across = first_wide_across + l;
+
+		/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
+		const double q2 = q[8*stride];
+		double s2, c2;
+		all_small &= rneagen_sincos_known(q2, known, sines + 2, &s2, &c2);
+		const double q5 = q[11*stride];
+		double s5, c5;
+		all_small &= rneagen_sincos_known(q5, known, sines + 8, &s5, &c5);
+		const double q8 = q[14*stride];
+		double s8, c8;
+		all_small &= rneagen_sincos_known(q8, known, sines + 14, &s8, &c8);
+		const double q11 = q[17*stride];
+		double s11, c11;
+		all_small &= rneagen_sincos_known(q11, known, sines + 20, &s11, &c11);
+		const rneagen_lanes t51 = RNEA_LANES(c2, c5, c8, c11);
+		const rneagen_lanes t50 = RNEA_LANES(s2, s5, s8, s11);
 		const double qd2 = qd[7*stride];
 		const double qd5 = qd[10*stride];
 		const double qd8 = qd[13*stride];
@@ -1397,79 +1346,77 @@ static RNEA_INLINE int hyq_rnea_beside_segment1(const double *first_q, const dou
 		const double qdd8 = qdd[13*stride];
 		const double qdd11 = qdd[16*stride];
 		const rneagen_lanes dw1z_wide = wide_across[2*step];
-		const rneagen_lanes dw1y_wide = wide_across[7*step];
+		const rneagen_lanes dw1y_wide = wide_across[5*step];
 		const rneagen_lanes dw2z_wide = RNEA_LANES(qdd2, qdd5, qdd8, qdd11)
-			+ RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), dw1z_wide, RNEA_LANES(-1.0, -1.0, 1.0,
+			+ RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), dw1z_wide, RNEA_LANES(-1.0, -1.0, -1.0,
 			1.0)*dw1y_wide);
-		const rneagen_lanes t54 = RNEA_LANES_FMA(RNEA_LANES(1.0, 1.0, -1.0, -1.0), dw1z_wide,
-			4.8965888601467475e-12*dw1y_wide);
+		const rneagen_lanes t56 = RNEA_LANES_FMA(RNEA_LANES(1.0, 1.0, -1.0, -1.0), dw1z_wide,
+			RNEA_LANES(4.8965888601467475e-12, 4.8965888601467475e-12, -4.8965888601467475e-12,
+			4.8965888601467475e-12)*dw1y_wide);
 		const rneagen_lanes w1z_wide = wide_across[3*step];
-		const rneagen_lanes w1y_wide = wide_across[5*step];
-		const rneagen_lanes t53 = RNEA_LANES_FMA(RNEA_LANES(1.0, 1.0, -1.0, -1.0), w1z_wide,
-			4.8965888601467475e-12*w1y_wide);
+		const rneagen_lanes w1y_wide = wide_across[4*step];
+		const rneagen_lanes t54 = RNEA_LANES_FMA(RNEA_LANES(1.0, 1.0, -1.0, -1.0), w1z_wide,
+			RNEA_LANES(4.8965888601467475e-12, 4.8965888601467475e-12, -4.8965888601467475e-12,
+			4.8965888601467475e-12)*w1y_wide);
 		const rneagen_lanes w2z_wide = t52 + RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), w1z_wide,
-			RNEA_LANES(-1.0, -1.0, 1.0, 1.0)*w1y_wide);
-		const rneagen_lanes t57 = wide_across[14*step];
-		const rneagen_lanes t56 = wide_across[15*step];
-		const rneagen_lanes t58 = RNEA_LANES_FMA(RNEA_LANES(1.0, 1.0, -1.0, -1.0), t57,
-			4.8965888601467475e-12*t56);
-		const rneagen_lanes a2z_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), t57, RNEA_LANES(-1.0,
+			RNEA_LANES(-1.0, -1.0, -1.0, 1.0)*w1y_wide);
+		const rneagen_lanes t58 = wide_across[15*step];
+		const rneagen_lanes t57 = wide_across[12*step];
+		const rneagen_lanes t60 = RNEA_LANES_FMA(RNEA_LANES(1.0, 1.0, -1.0, -1.0), t58,
+			RNEA_LANES(4.8965888601467475e-12, 4.8965888601467475e-12, -4.8965888601467475e-12,
+			4.8965888601467475e-12)*t57);
+		const rneagen_lanes a2z_wide = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), t58, RNEA_LANES(-1.0,
 			-1.0,
-			1.0, 1.0)*t56);
-		const rneagen_lanes w1x_wide = wide_across[4*step];
-		const rneagen_lanes t51 = wide_across[17*step];
-		const rneagen_lanes t50 = wide_across[18*step];
-		const rneagen_lanes w2x_wide = RNEA_LANES_FMA(w1x_wide, t51, t50*t53);
-		const rneagen_lanes w2y_wide = RNEA_LANES_FMA(t50, -w1x_wide, t51*t53);
-		const rneagen_lanes dw1x_wide = wide_across[6*step];
-		const rneagen_lanes dw2x_wide = RNEA_LANES_FMA(t52, w2y_wide, RNEA_LANES_FMA(dw1x_wide, t51, t50*t54));
-		const rneagen_lanes dw2y_wide = RNEA_LANES_FMA(w2x_wide, -t52, RNEA_LANES_FMA(t50, -dw1x_wide,
-			t51*t54));
-		const rneagen_lanes t55 = wide_across[11*step];
-		const rneagen_lanes a2x_wide = RNEA_LANES_FMA(t51, t55, t50*t58);
-		const rneagen_lanes a2y_wide = RNEA_LANES_FMA(t55, -t50, t51*t58);
-		const rneagen_lanes t59 = w2y_wide*w2z_wide;
-		const rneagen_lanes t60 = w2z_wide*w2z_wide;
-		const rneagen_lanes t61 = w2y_wide*w2y_wide;
-		const rneagen_lanes t62 = t60 + t61;
-		const rneagen_lanes t63 = dw2x_wide + t59;
-		const rneagen_lanes t64 = w2x_wide*w2z_wide;
-		const rneagen_lanes t65 = w2x_wide*w2x_wide;
-		const rneagen_lanes t66 = t64 - dw2y_wide;
-		const rneagen_lanes t67 = w2x_wide*w2y_wide;
-		const rneagen_lanes t68 = t67 - dw2z_wide;
-		const rneagen_lanes t69 = dw2z_wide + t67;
-		const rneagen_lanes t72 = RNEA_LANES_FMA(RNEA_LANES(-0.0001, 0.0001, -0.0001, 0.0001), t59 - dw2x_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.08986982744380001), dw2z_wide, 0.0816343336938*t67));
-		const rneagen_lanes t70 = RNEA_LANES_FMA(RNEA_LANES(0.0001, -0.0001, 0.0001, -0.0001), t69,
-			RNEA_LANES_FMA(RNEA_LANES(-0.00741836815, 0.00741836815, -0.00741836815, 0.00741836815), t66,
-			RNEA_LANES_FMA(RNEA_SPLAT(0.005497746875), dw2x_wide, 0.0027377468750000005*t59)));
+			-1.0, 1.0)*t57);
+		const rneagen_lanes t53 = wide_across[6*step];
+		const rneagen_lanes w2x_wide = RNEA_LANES_FMA(t51, t53, t50*t54);
+		const rneagen_lanes w2y_wide = RNEA_LANES_FMA(t53, -t50, t51*t54);
+		const rneagen_lanes t55 = wide_across[7*step];
+		const rneagen_lanes dw2x_wide = RNEA_LANES_FMA(t52, w2y_wide, RNEA_LANES_FMA(t51, t55, t50*t56));
+		const rneagen_lanes dw2y_wide = RNEA_LANES_FMA(w2x_wide, -t52, RNEA_LANES_FMA(t55, -t50, t51*t56));
+		const rneagen_lanes t59 = wide_across[10*step];
+		const rneagen_lanes a2x_wide = RNEA_LANES_FMA(t51, t59, t50*t60);
+		const rneagen_lanes a2y_wide = RNEA_LANES_FMA(t59, -t50, t51*t60);
+		const rneagen_lanes t61 = w2y_wide*w2z_wide;
+		const rneagen_lanes t62 = w2z_wide*w2z_wide;
+		const rneagen_lanes t63 = w2y_wide*w2y_wide;
+		const rneagen_lanes t64 = t62 + t63;
+		const rneagen_lanes t65 = dw2x_wide + t61;
+		const rneagen_lanes t66 = w2x_wide*w2z_wide;
+		const rneagen_lanes t67 = w2x_wide*w2x_wide;
+		const rneagen_lanes t68 = t66 - dw2y_wide;
+		const rneagen_lanes t69 = w2x_wide*w2y_wide;
+		const rneagen_lanes t70 = t69 - dw2z_wide;
+		const rneagen_lanes t71 = dw2z_wide + t69;
+		const rneagen_lanes t74 = RNEA_LANES_FMA(RNEA_LANES(-0.00013083500000000002, 0.00013083500000000002,
+			-0.00013083500000000002, 0.00013083500000000002), t61 - dw2x_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.1977924499438), dw2z_wide, 0.1895569561938*t69));
+		const rneagen_lanes t72 = RNEA_LANES_FMA(RNEA_LANES(0.00013083500000000002, -0.00013083500000000002,
+			0.00013083500000000002, -0.00013083500000000002), t71, RNEA_LANES_FMA(RNEA_LANES(-0.00741836815,
+			0.00741836815, -0.00741836815, 0.00741836815), t68, RNEA_LANES_FMA(RNEA_SPLAT(-0.1895569561938),
+			dw2x_wide, 0.1977924499438*t61)));
 		const rneagen_lanes n2x_wide = RNEA_LANES_FMA(RNEA_LANES(-0.06924749999999999, 0.06924749999999999,
-			-0.06924749999999999, 0.06924749999999999), a2z_wide, RNEA_LANES_FMA(RNEA_SPLAT(2e-05), t61
-				- t60,
-			t70));
+			-0.06924749999999999, 0.06924749999999999), a2z_wide, RNEA_LANES_FMA(RNEA_SPLAT(2e-05), t63
+				- t62,
+			t72));
+		const rneagen_lanes t75 = RNEA_LANES_FMA(RNEA_LANES(0.00741836815, -0.00741836815, 0.00741836815,
+			-0.00741836815), t67 - t63, RNEA_LANES_FMA(RNEA_SPLAT(2e-05), dw2y_wide + t66, t74));
 		const rneagen_lanes t73 = RNEA_LANES_FMA(RNEA_LANES(0.00741836815, -0.00741836815, 0.00741836815,
-			-0.00741836815), t65 - t61, RNEA_LANES_FMA(RNEA_SPLAT(2e-05), dw2y_wide + t64, t72));
-		const rneagen_lanes t71 = RNEA_LANES_FMA(RNEA_LANES(0.00741836815, -0.00741836815, 0.00741836815,
-			-0.00741836815), t63, RNEA_LANES_FMA(RNEA_SPLAT(-2e-05), t68,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.08437208056880001), t64, 0.08713208056880001*dw2y_wide)));
-		const rneagen_lanes f2x_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.638), a2x_wide,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.39765212), t62, RNEA_LANES(-0.06924749999999999,
-				0.06924749999999999,
-			-0.06924749999999999, 0.06924749999999999)*t68));
-		const rneagen_lanes t77 = RNEA_LANES_FMA(RNEA_SPLAT(-0.35), t62, a2x_wide);
+			-0.00741836815), t65, -RNEA_LANES_FMA(RNEA_SPLAT(2e-05), t70, 0.3873494061376*t66));
+		const rneagen_lanes f2x_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.70600247), t64,
+			RNEA_LANES(-0.06924749999999999,
+			0.06924749999999999, -0.06924749999999999, 0.06924749999999999)*t70);
+		const rneagen_lanes f2z_wide = RNEA_LANES_FMA(RNEA_LANES(-0.06924749999999999, 0.06924749999999999,
+			-0.06924749999999999, 0.06924749999999999), t65, 0.70600247*t68);
+		const rneagen_lanes a3z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.35), t68, a2z_wide);
+		const rneagen_lanes n2y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.70600247), a2z_wide,
+			RNEA_LANES_FMA(RNEA_LANES(0.00013083500000000002, -0.00013083500000000002,
+				0.00013083500000000002,
+			-0.00013083500000000002), t62 - t67, t73));
+		const rneagen_lanes f2y_wide = RNEA_LANES_FMA(RNEA_LANES(0.06924749999999999, -0.06924749999999999,
+			0.06924749999999999, -0.06924749999999999), t62 + t67, 0.70600247*t71);
 		const rneagen_lanes n2z_wide = RNEA_LANES_FMA(RNEA_LANES(0.06924749999999999, -0.06924749999999999,
-			0.06924749999999999, -0.06924749999999999), a2x_wide, 0.39765212*a2y_wide) + t73;
-		const rneagen_lanes f2z_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.638), a2z_wide,
-			RNEA_LANES_FMA(RNEA_LANES(-0.06924749999999999, 0.06924749999999999, -0.06924749999999999,
-			0.06924749999999999), t63, 0.39765212*t66));
-		const rneagen_lanes a3z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.35), t66, a2z_wide);
-		const rneagen_lanes n2y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.39765212), a2z_wide,
-			RNEA_LANES_FMA(RNEA_LANES(0.0001, -0.0001, 0.0001, -0.0001), t60 - t65, t71));
-		const rneagen_lanes f2y_wide = RNEA_LANES_FMA(RNEA_SPLAT(2.638), a2y_wide,
-			RNEA_LANES_FMA(RNEA_LANES(0.06924749999999999, -0.06924749999999999, 0.06924749999999999,
-			-0.06924749999999999), t60 + t65, 0.39765212*t69));
-		const rneagen_lanes t78 = RNEA_LANES_FMA(RNEA_SPLAT(0.35), t69, a2y_wide);
+			0.06924749999999999, -0.06924749999999999), a2x_wide, 0.70600247*a2y_wide) + t75;
 
 		/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
 		const double q3 = q[9*stride];
@@ -1484,92 +1431,85 @@ static RNEA_INLINE int hyq_rnea_beside_segment1(const double *first_q, const dou
 		const double q12 = q[18*stride];
 		double s12, c12;
 		all_small &= rneagen_sincos_known(q12, known, sines + 22, &s12, &c12);
-		const rneagen_lanes t75 = RNEA_LANES(c3, c6, c9, c12);
-		const rneagen_lanes t74 = RNEA_LANES(s3, s6, s9, s12);
+		const rneagen_lanes t77 = RNEA_LANES(c3, c6, c9, c12);
+		const rneagen_lanes t76 = RNEA_LANES(s3, s6, s9, s12);
+		const rneagen_lanes sa3_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.9999999491264364), t76,
+			RNEA_LANES(0.00031897825112412793, -0.00031897825112412793, 0.00031897825112412793,
+			-0.00031897825112412793)*t77);
+		const rneagen_lanes ca3_wide = RNEA_LANES_FMA(RNEA_LANES(-0.00031897825112412793,
+			0.00031897825112412793,
+			-0.00031897825112412793, 0.00031897825112412793), t76, 0.9999999491264364*t77);
+		const rneagen_lanes a3y_wide = RNEA_LANES_FMA(RNEA_LANES_FMA(RNEA_SPLAT(-0.35), t64, a2x_wide),
+			-sa3_wide,
+			ca3_wide*RNEA_LANES_FMA(RNEA_SPLAT(0.35), t71, a2y_wide));
 		const double qd3 = qd[8*stride];
 		const double qd6 = qd[11*stride];
 		const double qd9 = qd[14*stride];
 		const double qd12 = qd[17*stride];
-		const rneagen_lanes t76 = RNEA_LANES(qd3, qd6, qd9, qd12);
-		const rneagen_lanes w3z_wide = w2z_wide + t76;
+		const rneagen_lanes t78 = RNEA_LANES(qd3, qd6, qd9, qd12);
+		const rneagen_lanes w3z_wide = w2z_wide + t78;
 		const double qdd3 = qdd[8*stride];
 		const double qdd6 = qdd[11*stride];
 		const double qdd9 = qdd[14*stride];
 		const double qdd12 = qdd[17*stride];
 		const rneagen_lanes dw3z_wide = dw2z_wide + RNEA_LANES(qdd3, qdd6, qdd9, qdd12);
-		const rneagen_lanes w3x_wide = RNEA_LANES_FMA(w2x_wide, t75, w2y_wide*t74);
-		const rneagen_lanes w3y_wide = RNEA_LANES_FMA(t74, -w2x_wide, w2y_wide*t75);
-		const rneagen_lanes dw3x_wide = RNEA_LANES_FMA(t76, w3y_wide, RNEA_LANES_FMA(dw2x_wide, t75,
-			dw2y_wide*t74));
-		const rneagen_lanes dw3y_wide = RNEA_LANES_FMA(w3x_wide, -t76, RNEA_LANES_FMA(t74, -dw2x_wide,
-			dw2y_wide*t75));
-		const rneagen_lanes a3x_wide = RNEA_LANES_FMA(t75, t77, t74*t78);
-		const rneagen_lanes a3y_wide = RNEA_LANES_FMA(t77, -t74, t75*t78);
+		const rneagen_lanes w3x_wide = RNEA_LANES_FMA(w2x_wide, ca3_wide, w2y_wide*sa3_wide);
+		const rneagen_lanes w3y_wide = RNEA_LANES_FMA(sa3_wide, -w2x_wide, w2y_wide*ca3_wide);
+		const rneagen_lanes dw3x_wide = RNEA_LANES_FMA(t78, w3y_wide, RNEA_LANES_FMA(dw2x_wide, ca3_wide,
+			dw2y_wide*sa3_wide));
+		const rneagen_lanes dw3y_wide = RNEA_LANES_FMA(w3x_wide, -t78, RNEA_LANES_FMA(sa3_wide, -dw2x_wide,
+			dw2y_wide*ca3_wide));
 		const rneagen_lanes t79 = w3y_wide*w3z_wide;
 		const rneagen_lanes t80 = w3z_wide*w3z_wide;
-		const rneagen_lanes t84 = w3x_wide*w3z_wide;
+		const rneagen_lanes t82 = w3x_wide*w3z_wide;
 		const rneagen_lanes t81 = w3y_wide*w3y_wide;
-		const rneagen_lanes t88 = w3x_wide*w3y_wide;
-		const rneagen_lanes t85 = w3x_wide*w3x_wide;
-		const rneagen_lanes t82 = t79 - dw3x_wide;
-		const rneagen_lanes t83 = dw3x_wide + t79;
-		const rneagen_lanes t86 = t84 - dw3y_wide;
-		const rneagen_lanes t87 = dw3y_wide + t84;
-		const rneagen_lanes t89 = t88 - dw3z_wide;
-		const rneagen_lanes t92 = RNEA_LANES_FMA(RNEA_LANES(5.6580903999995104e-05, -5.4580904000004895e-05,
-			5.6580903999995104e-05, -5.4580904000004895e-05), t83,
-				RNEA_LANES_FMA(RNEA_SPLAT(9.96476000009793e-07),
-			t89, RNEA_LANES_FMA(RNEA_SPLAT(-0.02571397686600003), t84, 0.026414994486000012*dw3y_wide)));
-		const rneagen_lanes f3x_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.881001), a3x_wide,
-			RNEA_LANES_FMA(RNEA_LANES(-8.81e-05, 8.81e-05, -8.81e-05, 8.81e-05), t87,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.11047774600000002), t80 + t81, RNEA_LANES(3.524e-05, -3.524e-05,
-				3.524e-05,
-			-3.524e-05)*t89)));
-		const rneagen_lanes t93 = RNEA_LANES_FMA(RNEA_SPLAT(-9.96476000009793e-07), t87,
-			RNEA_LANES_FMA(RNEA_LANES(-4.774000000489742e-08, 2.0477399999951043e-06,
-				-4.774000000489742e-08,
-			2.0477399999951043e-06), t82, RNEA_LANES_FMA(RNEA_SPLAT(0.026184987085600013), dw3z_wide,
-			0.02594398426640003*t88)));
-		const rneagen_lanes t90 = dw3z_wide + t88;
-		const rneagen_lanes t91 = RNEA_LANES_FMA(RNEA_LANES(4.774000000489742e-08, -2.0477399999951043e-06,
-			4.774000000489742e-08, -2.0477399999951043e-06), t90,
-				RNEA_LANES_FMA(RNEA_LANES(-5.6580903999995104e-05,
-			5.4580904000004895e-05, -5.6580903999995104e-05, 5.4580904000004895e-05), t86,
-			RNEA_LANES_FMA(RNEA_SPLAT(-0.0002300074003999993), t79, 0.0004710102195999804*dw3x_wide)));
-		const rneagen_lanes f3z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.881001), a3z_wide,
-			RNEA_LANES_FMA(RNEA_LANES(8.81e-05, -8.81e-05, 8.81e-05, -8.81e-05), t81 + t85,
-			RNEA_LANES_FMA(RNEA_LANES(3.524e-05, -3.524e-05, 3.524e-05, -3.524e-05), t83,
-			0.11047774600000002*t86)));
-		const rneagen_lanes f2z_wide_2 = f2z_wide + f3z_wide;
-		const rneagen_lanes f3y_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.881001), a3y_wide,
-			RNEA_LANES_FMA(RNEA_LANES(-8.81e-05, 8.81e-05, -8.81e-05, 8.81e-05), t82,
-			RNEA_LANES_FMA(RNEA_LANES(-3.524e-05, 3.524e-05, -3.524e-05, 3.524e-05), t80 + t85,
-			0.11047774600000002*t90)));
-		const rneagen_lanes f2x_wide_2 = f2x_wide + RNEA_LANES_FMA(-t74, f3y_wide, t75*f3x_wide);
-		const rneagen_lanes t94 = RNEA_LANES_FMA(t74, f3x_wide, t75*f3y_wide);
-		const rneagen_lanes f2y_wide_2 = f2y_wide + t94;
-		const rneagen_lanes f1x_wide = wide_across[10*step];
-		const rneagen_lanes f1x_wide_2 = f1x_wide + RNEA_LANES_FMA(-t50, f2y_wide_2, t51*f2x_wide_2);
-		const rneagen_lanes t95 = RNEA_LANES_FMA(t50, f2x_wide_2, t51*f2y_wide_2);
-		const rneagen_lanes n3x_wide = RNEA_LANES_FMA(RNEA_LANES(8.81e-05, -8.81e-05, 8.81e-05, -8.81e-05),
-			a3y_wide,
-			RNEA_LANES(3.524e-05, -3.524e-05, 3.524e-05, -3.524e-05)*a3z_wide)
-			+ RNEA_LANES_FMA(RNEA_SPLAT(-9.96476000009793e-07), t81 - t80, t91);
-		const rneagen_lanes n3y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.11047774600000002), a3z_wide,
-			RNEA_LANES(-8.81e-05,
-			8.81e-05, -8.81e-05, 8.81e-05)*a3x_wide) + RNEA_LANES_FMA(RNEA_LANES(4.774000000489742e-08,
-			-2.0477399999951043e-06, 4.774000000489742e-08, -2.0477399999951043e-06), t80 - t85, t92);
-		const rneagen_lanes n3z_wide = RNEA_LANES_FMA(RNEA_LANES(-3.524e-05, 3.524e-05, -3.524e-05, 3.524e-05),
-			a3x_wide, 0.11047774600000002*a3y_wide) + RNEA_LANES_FMA(RNEA_LANES(5.6580903999995104e-05,
-			-5.4580904000004895e-05, 5.6580903999995104e-05, -5.4580904000004895e-05), t85 - t81, t93);
-		const rneagen_lanes n2z_wide_2 = n2z_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.35), t94, n3z_wide);
-		const rneagen_lanes n2y_wide_2 = n2y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.35), f3z_wide,
-			RNEA_LANES_FMA(t74,
-			n3x_wide, t75*n3y_wide));
-		const rneagen_lanes n2x_wide_2 = n2x_wide + RNEA_LANES_FMA(-t74, n3y_wide, t75*n3x_wide);
-		const rneagen_lanes n1x_wide = wide_across[16*step];
-		const rneagen_lanes n1x_wide_2 = n1x_wide + RNEA_LANES_FMA(-t50, n2y_wide_2, t51*n2x_wide_2);
-		const rneagen_lanes t96 = RNEA_LANES_FMA(t50, n2x_wide_2, t51*n2y_wide_2);
+		const rneagen_lanes t85 = w3x_wide*w3y_wide;
+		const rneagen_lanes t83 = w3x_wide*w3x_wide;
+		const rneagen_lanes t84 = t82 - dw3y_wide;
+		const rneagen_lanes f2z_wide_2 = RNEA_LANES_FMA(RNEA_SPLAT(0.11047775162039694), t84, f2z_wide);
+		const rneagen_lanes t86 = dw3z_wide + t85;
+		const rneagen_lanes t87 = 0.11047775162039694*(t80 + t81);
+		const rneagen_lanes f3y_wide = 0.11047775162039694*t86;
+		const rneagen_lanes t88 = RNEA_LANES_FMA(RNEA_LANES(4.74221434044232e-08, -2.0474220416475028e-06,
+			4.74221434044232e-08, -2.0474220416475028e-06), t86,
+				RNEA_LANES_FMA(RNEA_LANES(-6.485645879358712e-05,
+			6.28564592005854e-05, -6.485645879358712e-05, 6.28564592005854e-05), t84,
+			RNEA_LANES_FMA(RNEA_LANES(-0.02594390679464088, -0.02594390934646676, -0.02594390679464088,
+			-0.02594390934646676), dw3x_wide, 0.026184987085600013*t79)));
+		const rneagen_lanes n3x_wide = RNEA_LANES_FMA(RNEA_LANES(-9.964911773372182e-07, -9.971291338394633e-07,
+			-9.964911773372182e-07, -9.971291338394633e-07), t81 - t80, t88);
+		const rneagen_lanes f2x_wide_2 = f2x_wide - RNEA_LANES_FMA(ca3_wide, t87, sa3_wide*f3y_wide);
+		const rneagen_lanes t91 = RNEA_LANES_FMA(-sa3_wide, t87, ca3_wide*f3y_wide);
+		const rneagen_lanes f2y_wide_2 = f2y_wide + t91;
+		const rneagen_lanes f1x_wide = wide_across[9*step];
+		const rneagen_lanes f1x_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, 1.0, -1.0, 1.0), RNEA_LANES_FMA(-t50,
+			f2y_wide_2, t51*f2x_wide_2), f1x_wide);
+		const rneagen_lanes t92 = RNEA_LANES_FMA(t50, f2x_wide_2, t51*f2y_wide_2);
+		const rneagen_lanes t89 = RNEA_LANES_FMA(RNEA_LANES(6.485645879358712e-05, -6.28564592005854e-05,
+			6.485645879358712e-05, -6.28564592005854e-05), dw3x_wide + t79,
+			RNEA_LANES_FMA(RNEA_LANES(9.964911773372182e-07, 9.971291338394633e-07, 9.964911773372182e-07,
+			9.971291338394633e-07), t85 - dw3z_wide, RNEA_LANES(-0.0521288938802409, -0.05212889643206677,
+			-0.0521288938802409, -0.05212889643206677)*t82));
+		const rneagen_lanes t90 = RNEA_LANES_FMA(RNEA_LANES(-4.74221434044232e-08, 2.0474220416475028e-06,
+			-4.74221434044232e-08, 2.0474220416475028e-06), t79 - dw3x_wide,
+			RNEA_LANES_FMA(RNEA_SPLAT(0.026184987085600013), dw3z_wide, RNEA_LANES(0.02594390679464088,
+			0.02594390934646676, 0.02594390679464088, 0.02594390934646676)*t85));
+		const rneagen_lanes n3z_wide = RNEA_LANES_FMA(RNEA_SPLAT(0.11047775162039694), a3y_wide,
+			RNEA_LANES_FMA(RNEA_LANES(6.485645879358712e-05, -6.28564592005854e-05, 6.485645879358712e-05,
+			-6.28564592005854e-05), t83 - t81, RNEA_LANES_FMA(RNEA_LANES(-9.964911773372182e-07,
+			-9.971291338394633e-07, -9.964911773372182e-07, -9.971291338394633e-07), dw3y_wide + t82,
+				t90)));
+		const rneagen_lanes n3y_wide = RNEA_LANES_FMA(RNEA_SPLAT(-0.11047775162039694), a3z_wide,
+			RNEA_LANES_FMA(RNEA_LANES(4.74221434044232e-08, -2.0474220416475028e-06, 4.74221434044232e-08,
+			-2.0474220416475028e-06), t80 - t83, t89));
+		const rneagen_lanes n2y_wide_2 = n2y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.038667213067138925), t84,
+			RNEA_LANES_FMA(sa3_wide, n3x_wide, ca3_wide*n3y_wide));
+		const rneagen_lanes n2x_wide_2 = n2x_wide + RNEA_LANES_FMA(-sa3_wide, n3y_wide, ca3_wide*n3x_wide);
+		const rneagen_lanes n1x_wide = wide_across[8*step];
+		const rneagen_lanes n1x_wide_2 = RNEA_LANES_FMA(RNEA_LANES(1.0, 1.0, -1.0, 1.0), RNEA_LANES_FMA(-t50,
+			n2y_wide_2, t51*n2x_wide_2), n1x_wide);
+		const rneagen_lanes t93 = RNEA_LANES_FMA(t50, n2x_wide_2, t51*n2y_wide_2);
+		const rneagen_lanes n2z_wide_2 = n2z_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.35), t91, n3z_wide);
 		const double n3z = n3z_wide[0];
 		tau[8*stride] = n3z;
 
@@ -1579,90 +1519,95 @@ static RNEA_INLINE int hyq_rnea_beside_segment1(const double *first_q, const dou
 		tau[7*stride] = n2z;
 
 		/* ---- back from link 2 "lf_upperleg" to link 1 (bpass): torque of "lf_hfe_joint" ---- */
-		const rneagen_lanes t97 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), f2z_wide_2,
-			4.8965888601467475e-12*t95);
-		const rneagen_lanes t98 = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), f2z_wide_2, RNEA_LANES(1.0,
+		const rneagen_lanes t94 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, -1.0, 1.0), f2z_wide_2,
+			RNEA_LANES(4.8965888601467475e-12, 4.8965888601467475e-12, -4.8965888601467475e-12,
+			4.8965888601467475e-12)*t92);
+		const rneagen_lanes t95 = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), f2z_wide_2, RNEA_LANES(1.0,
 			1.0,
-			-1.0, -1.0)*t95);
-		const rneagen_lanes n1y_wide = wide_across[8*step];
-		const rneagen_lanes n1y_wide_2 = n1y_wide + RNEA_LANES_FMA(RNEA_SPLAT(-0.08), t98,
-			RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), n2z_wide_2, 4.8965888601467475e-12*t96));
-		const rneagen_lanes n1z_wide = wide_across[12*step];
-		const rneagen_lanes n1z_wide_2 = n1z_wide + RNEA_LANES_FMA(RNEA_SPLAT(0.08), t97,
+			-1.0, -1.0)*t92);
+		const rneagen_lanes n1y_wide = wide_across[16*step];
+		const rneagen_lanes n1y_wide_2 = n1y_wide + RNEA_LANES_FMA(RNEA_LANES(-0.08, -0.08, 0.08, -0.08), t95,
+			RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, -1.0, 1.0), n2z_wide_2, RNEA_LANES(4.8965888601467475e-12,
+			4.8965888601467475e-12, -4.8965888601467475e-12, 4.8965888601467475e-12)*t93));
+		const rneagen_lanes n1z_wide = wide_across[11*step];
+		const rneagen_lanes n1z_wide_2 = n1z_wide + RNEA_LANES_FMA(RNEA_LANES(0.08, 0.08, -0.08, 0.08), t94,
 			RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), n2z_wide_2, RNEA_LANES(1.0, 1.0, -1.0,
-				-1.0)*t96));
-		const rneagen_lanes f1y_wide = wide_across[9*step];
-		const rneagen_lanes f1y_wide_2 = f1y_wide + t97;
-		const rneagen_lanes f1z_wide = wide_across[13*step];
-		const rneagen_lanes f1z_wide_2 = f1z_wide + t98;
+				-1.0)*t93));
+		const rneagen_lanes f1y_wide = wide_across[13*step];
+		const rneagen_lanes f1y_wide_2 = f1y_wide + t94;
+		const rneagen_lanes f1z_wide = wide_across[14*step];
+		const rneagen_lanes f1z_wide_2 = f1z_wide + t95;
 		const double n1z = n1z_wide_2[0];
 		tau[6*stride] = n1z;
 
 		/* ---- back from link 1 "lf_hipassembly" to link 0 (bpass): torque of "lf_haa_joint" ---- */
 		const rneagen_lanes t23 = wide_across[step];
 		const rneagen_lanes t24 = wide_across[0];
-		const rneagen_lanes t99 = RNEA_LANES_FMA(-t23, f1y_wide_2, t24*f1x_wide_2);
-		const rneagen_lanes t100 = RNEA_LANES_FMA(t23, f1x_wide_2, t24*f1y_wide_2);
-		const rneagen_lanes t101 = RNEA_LANES_FMA(-t23, n1y_wide_2, t24*n1x_wide_2);
-		const rneagen_lanes t102 = RNEA_LANES_FMA(t23, n1x_wide_2, t24*n1y_wide_2);
-		const rneagen_lanes t103 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), f1z_wide_2,
-			RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 2.0682310711021444e-13, 0.0, 0.0), t100,
-			RNEA_LANES(-4.8965888601467475e-12, -4.8965888601467475e-12, 4.8965888601467475e-12,
-			4.8965888601467475e-12)*t99));
-		const rneagen_lanes t104 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, -2.0682310711021444e-13,
+		const rneagen_lanes t96 = RNEA_LANES_FMA(-t23, f1y_wide_2, t24*f1x_wide_2);
+		const rneagen_lanes t97 = RNEA_LANES_FMA(t23, f1x_wide_2, t24*f1y_wide_2);
+		const rneagen_lanes t98 = RNEA_LANES_FMA(-t23, n1y_wide_2, t24*n1x_wide_2);
+		const rneagen_lanes t99 = RNEA_LANES_FMA(t23, n1x_wide_2, t24*n1y_wide_2);
+		const rneagen_lanes t100 = RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), f1z_wide_2,
+			RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 2.0682310711021444e-13, 0.0, 0.0), t97,
+			RNEA_LANES(-4.8965888601467475e-12, -4.8965888601467475e-12, -4.8965888601467475e-12,
+			4.8965888601467475e-12)*t96));
+		const rneagen_lanes t101 = RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, -2.0682310711021444e-13,
 			0.0,
-			0.0), f1z_wide_2, RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), t100,
-			RNEA_LANES(-1.0127277222968137e-24, -1.0127277222968137e-24, 0.0, 0.0)*t99));
-		const rneagen_lanes t105 = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), f1z_wide_2, -t99);
+			0.0), f1z_wide_2, RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, -1.0, 1.0), t97,
+			RNEA_LANES(-1.0127277222968137e-24, -1.0127277222968137e-24, 0.0, 0.0)*t96));
+		const rneagen_lanes t102 = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), f1z_wide_2,
+			RNEA_LANES(-1.0, -1.0,
+			1.0, -1.0)*t96);
 		const double f0z = across[4*step];
-		const double f0z_2 = f0z + t105[0];
-		const double f0z_3 = f0z_2 + t105[1];
-		const double f0z_4 = f0z_3 + t105[2];
-		const double f0z_5 = f0z_4 + t105[3];
+		const double f0z_2 = f0z + t102[0];
+		const double f0z_3 = f0z_2 + t102[1];
+		const double f0z_4 = f0z_3 + t102[2];
+		const double f0z_5 = f0z_4 + t102[3];
 		tau[2*stride] = f0z_5;
 		const double f0y = across[step];
-		const double f0y_2 = f0y + t104[0];
-		const double f0y_3 = f0y_2 + t104[1];
-		const double f0y_4 = f0y_3 + t104[2];
-		const double f0y_5 = f0y_4 + t104[3];
-		const rneagen_lanes t108 = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), n1z_wide_2, -t101)
-			+ RNEA_LANES_FMA(RNEA_LANES(-0.207, -0.207, 0.207, 0.207), t103, RNEA_LANES(0.3735, -0.3735,
-				0.3735,
-			-0.3735)*t104);
+		const double f0y_2 = f0y + t101[0];
+		const double f0y_3 = f0y_2 + t101[1];
+		const double f0y_4 = f0y_3 + t101[2];
+		const double f0y_5 = f0y_4 + t101[3];
+		const rneagen_lanes t105 = RNEA_LANES_FMA(RNEA_SPLAT(4.8965888601467475e-12), n1z_wide_2,
+			RNEA_LANES(-1.0, -1.0,
+			1.0, -1.0)*t98) + RNEA_LANES_FMA(RNEA_LANES(-0.207, -0.207, 0.207, 0.207), t100,
+				RNEA_LANES(0.3735,
+			-0.3735, 0.3735, -0.3735)*t101);
 		const double n0z = across[3*step];
-		const double n0z_2 = n0z + t108[0];
-		const double n0z_3 = n0z_2 + t108[1];
-		const double n0z_4 = n0z_3 + t108[2];
-		const double n0z_5 = n0z_4 + t108[3];
+		const double n0z_2 = n0z + t105[0];
+		const double n0z_3 = n0z_2 + t105[1];
+		const double n0z_4 = n0z_3 + t105[2];
+		const double n0z_5 = n0z_4 + t105[3];
 		tau[5*stride] = n0z_5;
 		tau[stride] = f0y_5;
 		const double f0x = across[5*step];
-		const double f0x_2 = f0x + t103[0];
-		const double f0x_3 = f0x_2 + t103[1];
-		const double f0x_4 = f0x_3 + t103[2];
-		const double f0x_5 = f0x_4 + t103[3];
+		const double f0x_2 = f0x + t100[0];
+		const double f0x_3 = f0x_2 + t100[1];
+		const double f0x_4 = f0x_3 + t100[2];
+		const double f0x_5 = f0x_4 + t100[3];
 		tau[0] = f0x_5;
-		const rneagen_lanes t106 = RNEA_LANES_FMA(RNEA_LANES(0.207, 0.207, -0.207, -0.207), t105,
+		const rneagen_lanes t103 = RNEA_LANES_FMA(RNEA_LANES(0.207, 0.207, -0.207, -0.207), t102,
 			RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), n1z_wide_2,
-			RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 2.0682310711021444e-13, 0.0, 0.0), t102,
-			RNEA_LANES(-4.8965888601467475e-12, -4.8965888601467475e-12, 4.8965888601467475e-12,
-			4.8965888601467475e-12)*t101)));
-		const rneagen_lanes t107 = RNEA_LANES_FMA(RNEA_LANES(-0.3735, 0.3735, -0.3735, 0.3735), t105,
+			RNEA_LANES_FMA(RNEA_LANES(2.0682310711021444e-13, 2.0682310711021444e-13, 0.0, 0.0), t99,
+			RNEA_LANES(-4.8965888601467475e-12, -4.8965888601467475e-12, -4.8965888601467475e-12,
+			4.8965888601467475e-12)*t98)));
+		const rneagen_lanes t104 = RNEA_LANES_FMA(RNEA_LANES(-0.3735, 0.3735, -0.3735, 0.3735), t102,
 			RNEA_LANES_FMA(RNEA_LANES(-2.0682310711021444e-13, -2.0682310711021444e-13, 0.0, 0.0),
 				n1z_wide_2,
-			RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, 1.0, 1.0), t102, RNEA_LANES(-1.0127277222968137e-24,
-			-1.0127277222968137e-24, 0.0, 0.0)*t101)));
+			RNEA_LANES_FMA(RNEA_LANES(-1.0, -1.0, -1.0, 1.0), t99, RNEA_LANES(-1.0127277222968137e-24,
+			-1.0127277222968137e-24, 0.0, 0.0)*t98)));
 		const double n0y = across[0];
-		const double n0y_2 = n0y + t107[0];
-		const double n0y_3 = n0y_2 + t107[1];
-		const double n0y_4 = n0y_3 + t107[2];
-		const double n0y_5 = n0y_4 + t107[3];
+		const double n0y_2 = n0y + t104[0];
+		const double n0y_3 = n0y_2 + t104[1];
+		const double n0y_4 = n0y_3 + t104[2];
+		const double n0y_5 = n0y_4 + t104[3];
 		tau[4*stride] = n0y_5;
 		const double n0x = across[2*step];
-		const double n0x_2 = n0x + t106[0];
-		const double n0x_3 = n0x_2 + t106[1];
-		const double n0x_4 = n0x_3 + t106[2];
-		const double n0x_5 = n0x_4 + t106[3];
+		const double n0x_2 = n0x + t103[0];
+		const double n0x_3 = n0x_2 + t103[1];
+		const double n0x_4 = n0x_3 + t103[2];
+		const double n0x_5 = n0x_4 + t103[3];
 		tau[3*stride] = n0x_5;
 
 		/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
@@ -3454,7 +3399,7 @@ RNEA_INFO const char hyq_info[] =
 	"input qd 18 f64 sample joint_velocity\n"
 	"input qdd 18 f64 sample joint_acceleration\n"
 	"output tau 18 f64 sample joint_torque\n"
-	"operations 328 201 106 93 575 12\n"
+	"operations 316 177 106 88 507 12\n"
 	"function fpass\n"
 	"input q 19 f64 sample joint_position\n"
 	"input qd 18 f64 sample joint_velocity\n"
@@ -3587,7 +3532,7 @@ static void hyq_rnea_beside_body(const double *q, const double *qd, const double
 	const int known, const double *sines)
 {
 	double across[6];
-	rneagen_lanes wide_across[19];
+	rneagen_lanes wide_across[17];
 
 	hyq_rnea_beside_one0(q, qd, qdd, tau, stride, across, wide_across, known, sines);
 	hyq_rnea_beside_one1(q, qd, qdd, tau, stride, across, wide_across, known, sines);

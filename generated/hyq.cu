@@ -4,7 +4,7 @@
  * from a URDF whose SHA-256 is
  *   a5084a53b69b76ed52287eaa8675aa3a3b92dfec962d22a4e2845fb16fa85d42
  * nq = 19, nv = 18, nb = 13 (moving bodies). Operations:
- *   rnea: 328 mul, 201 add, 106 sub, 93 neg, 575 fma, 12 sincos = 1785 flops
+ *   rnea: 316 mul, 177 add, 106 sub, 88 neg, 507 fma, 12 sincos = 1613 flops
  *   fpass: 339 mul, 136 add, 146 sub, 120 neg, 551 fma, 12 sincos = 1723 flops
  *   bpass: 56 mul, 72 add, 8 sub, 29 neg, 116 fma, 12 sincos = 368 flops
  * Up to 1024 samples hyq_rnea_launch takes the kernel hyq_rnea_limbs, whose 4 warps share out each sample.
@@ -23,6 +23,10 @@
  *   q[16] qd[15] revolute "rh_haa_joint", rad
  *   q[17] qd[16] revolute "rh_hfe_joint", rad
  *   q[18] qd[17] revolute "rh_kfe_joint", rad
+ * Parameters: base, of urdf with 1785 flops and base with 1613.
+ * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs
+ * feel of it. What the functions take and write is in the URDF's frames.
+ * fpass and bpass are computed by the URDF's constants.
  *
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
@@ -38,6 +42,7 @@
  *                    floating: with x y z qx qy qz qw after the number, and vx vy vz wx wy wz
  *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
  *   s c              sine and cosine of the joint's angle
+ *   sa ca            of the joint's angle and a constant one, by which the link's frame is turned ahead
  *   w                angular velocity
  *   dw               rate of the angular velocity
  *   v                velocity of the origin
@@ -136,17 +141,17 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float t17 = qd0wx*qd0wy;
 	const float t18 = t17 - qdd0wz;
 	const float t19 = qdd0wz + t17;
-	const float f0x = RNEA_FMA(60.978f, a0x, RNEA_FMA(0.22001559f, t16, RNEA_FMA(-3.4189837f, t9, 1.3106418f*t18)));
-	const float f0y = RNEA_FMA(60.978f, a0y, RNEA_FMA(0.22001559f, t10, RNEA_FMA(-1.3106418f, t14,
+	const float f0x = RNEA_FMA(86.774f, a0x, RNEA_FMA(0.22001559f, t16, RNEA_FMA(-3.4189837f, t9, 1.3106418f*t18)));
+	const float f0y = RNEA_FMA(86.774f, a0y, RNEA_FMA(0.22001559f, t10, RNEA_FMA(-1.3106418f, t14,
 		3.4189837f*t19)));
-	const float f0z = RNEA_FMA(60.978f, a0z, RNEA_FMA(-0.22001559f, t8 + t13, RNEA_FMA(1.3106418f, t11,
+	const float f0z = RNEA_FMA(86.774f, a0z, RNEA_FMA(-0.22001559f, t8 + t13, RNEA_FMA(1.3106418f, t11,
 		3.4189837f*t15)));
-	const float t20 = RNEA_FMA(-0.21587546f, t19, RNEA_FMA(0.04502036f, t15, RNEA_FMA(1.6017306f, qdd0wx,
-		0.72112f*t6)));
-	const float t21 = RNEA_FMA(-0.04502036f, t11, RNEA_FMA(0.009153269f, t18, RNEA_FMA(-7.8146267f, t12,
-		8.695237f*qdd0wy)));
-	const float t22 = RNEA_FMA(-0.009153269f, t16, RNEA_FMA(0.21587546f, t10, RNEA_FMA(9.416357f, qdd0wz,
-		7.093507f*t17)));
+	const float t20 = RNEA_FMA(-0.21587546f, t19, RNEA_FMA(0.04502036f, t15, RNEA_FMA(2.7070634f, qdd0wx,
+		1.826453f*t6)));
+	const float t21 = RNEA_FMA(-0.04502036f, t11, RNEA_FMA(0.009153269f, t18, RNEA_FMA(-10.597734f, t12,
+		11.478346f*qdd0wy)));
+	const float t22 = RNEA_FMA(-0.009153269f, t16, RNEA_FMA(0.21587546f, t10, RNEA_FMA(13.304798f, qdd0wz,
+		8.771282f*t17)));
 	const float n0x = RNEA_FMA(-0.22001559f, a0y, 1.3106418f*a0z) + RNEA_FMA(-0.009153269f, t8 - t7, t20);
 	const float n0y = RNEA_FMA(-3.4189837f, a0z, 0.22001559f*a0x) + RNEA_FMA(-0.21587546f, t7 - t13, t21);
 	const float n0z = RNEA_FMA(-1.3106418f, a0x, 3.4189837f*a0y) + RNEA_FMA(-0.04502036f, t13 - t8, t22);
@@ -196,25 +201,25 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float t48 = w1z*w1z;
 	const float t49 = w1y*w1y;
 	const float t50 = t48 + t49;
-	const float t51 = t47 - dw1x;
+	const float t51 = dw1x + t47;
 	const float t52 = w1x*w1z;
 	const float t53 = w1x*w1x;
 	const float t54 = t52 - dw1y;
-	const float t55 = dw1y + t52;
-	const float t56 = w1x*w1y;
-	const float t57 = dw1z + t56;
-	const float f1x = RNEA_FMA(2.93f, a1x, RNEA_FMA(-0.1249059f, t50, 0.4960783f*t55));
-	const float f1y = RNEA_FMA(2.93f, a1y, RNEA_FMA(0.4960783f, t51, 0.1249059f*t57));
-	const float f1z = RNEA_FMA(2.93f, a1z, RNEA_FMA(-0.4960783f, t49 + t53, 0.1249059f*t54));
-	const float t58 = RNEA_FMA(-0.022737818f, t57, RNEA_FMA(4e-05f, t54, RNEA_FMA(-0.13314101f, t47,
-		0.13470101f*dw1x)));
-	const float t59 = RNEA_FMA(5e-05f, t56 - dw1z, RNEA_FMA(0.14417575f, dw1y, 0.12366628f*t52));
-	const float t60 = RNEA_FMA(-0.022737818f, t48 - t53, RNEA_FMA(-4e-05f, dw1x + t47, t59));
-	const float t61 = RNEA_FMA(-5e-05f, t55, RNEA_FMA(0.022737818f, t51, RNEA_FMA(0.011034738f, dw1z,
-		0.0094747385f*t56)));
-	const float n1x = RNEA_FMA(-0.4960783f, a1y, RNEA_FMA(-5e-05f, t49 - t48, t58));
-	const float n1y = RNEA_FMA(-0.1249059f, a1z, 0.4960783f*a1x) + t60;
-	const float n1z = RNEA_FMA(0.1249059f, a1y, RNEA_FMA(-4e-05f, t53 - t49, t61));
+	const float t55 = w1x*w1y;
+	const float t56 = t55 - dw1z;
+	const float t57 = dw1z + t55;
+	const float f1x = RNEA_FMA(-0.40642598f, t50, 8.81e-05f*t56);
+	const float f1y = RNEA_FMA(-8.81e-05f, t48 + t53, 0.40642598f*t57);
+	const float f1z = RNEA_FMA(8.81e-05f, t51, 0.40642598f*t54);
+	const float t58 = RNEA_FMA(-0.022737818f, t57, RNEA_FMA(4.7048e-05f, t54, RNEA_FMA(0.18947332f, dw1x,
+		0.255026f*t47)));
+	const float t59 = RNEA_FMA(-0.022737818f, t48 - t53, RNEA_FMA(-4.7048e-05f, t51, RNEA_FMA(-0.06555269f, t52,
+		5e-05f*t56)));
+	const float t60 = RNEA_FMA(0.022737818f, t47 - dw1x, RNEA_FMA(-0.18947332f, t55, 0.255026f*dw1z));
+	const float t61 = RNEA_FMA(-4.7048e-05f, t53 - t49, RNEA_FMA(-5e-05f, dw1y + t52, t60));
+	const float n1x = RNEA_FMA(8.81e-05f, a1z, RNEA_FMA(-5e-05f, t49 - t48, t58));
+	const float n1y = RNEA_FMA(-0.40642598f, a1z, t59);
+	const float n1z = RNEA_FMA(-8.81e-05f, a1x, 0.40642598f*a1y) + t61;
 
 	/* ---- out to link 2 "lf_upperleg" (fpass) ---- */
 	const float q2 = q[8*stride];
@@ -248,104 +253,92 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	const float t76 = w2x*w2y;
 	const float t77 = t76 - dw2z;
 	const float t78 = dw2z + t76;
-	const float f2x = RNEA_FMA(2.638f, a2x, -RNEA_FMA(0.0692475f, t77, 0.39765212f*t71));
-	const float f2y = RNEA_FMA(2.638f, a2y, RNEA_FMA(0.0692475f, t69 + t74, 0.39765212f*t78));
-	const float f2z = RNEA_FMA(2.638f, a2z, RNEA_FMA(-0.0692475f, t72, 0.39765212f*t75));
-	const float t79 = RNEA_FMA(0.0001f, t78, RNEA_FMA(-0.007418368f, t75, RNEA_FMA(0.005497747f, dw2x,
-		0.0027377468f*t68)));
-	const float t80 = RNEA_FMA(0.007418368f, t72, RNEA_FMA(-2e-05f, t77, RNEA_FMA(-0.08437208f, t73,
-		0.08713208f*dw2y)));
-	const float t81 = RNEA_FMA(-0.0001f, t68 - dw2x, RNEA_FMA(0.08986983f, dw2z, 0.081634335f*t76));
+	const float f2y = RNEA_FMA(0.0692475f, t69 + t74, 0.7060025f*t78);
+	const float f2z = RNEA_FMA(-0.0692475f, t72, 0.7060025f*t75);
+	const float t79 = RNEA_FMA(0.000130835f, t78, RNEA_FMA(-0.007418368f, t75, RNEA_FMA(-0.18955696f, dw2x,
+		0.19779246f*t68)));
+	const float t80 = RNEA_FMA(0.007418368f, t72, -RNEA_FMA(2e-05f, t77, 0.3873494f*t73));
+	const float t81 = RNEA_FMA(-0.000130835f, t68 - dw2x, RNEA_FMA(0.19779246f, dw2z, 0.18955696f*t76));
 	const float t82 = RNEA_FMA(0.007418368f, t74 - t70, RNEA_FMA(2e-05f, dw2y + t73, t81));
 	const float n2x = RNEA_FMA(-0.0692475f, a2z, RNEA_FMA(2e-05f, t70 - t69, t79));
-	const float n2y = RNEA_FMA(-0.39765212f, a2z, RNEA_FMA(0.0001f, t69 - t74, t80));
-	const float n2z = RNEA_FMA(0.39765212f, a2y, 0.0692475f*a2x) + t82;
+	const float n2y = RNEA_FMA(-0.7060025f, a2z, RNEA_FMA(0.000130835f, t69 - t74, t80));
+	const float n2z = RNEA_FMA(0.7060025f, a2y, 0.0692475f*a2x) + t82;
 
 	/* ---- out to link 3 "lf_lowerleg" (fpass) ---- */
 	const float q3 = q[9*stride];
 	float s3, c3;
 	all_small &= rneagen_sincosf_known(q3, known, sines + 4, &s3, &c3);
+	const float sa3 = RNEA_FMA(0.99999994f, s3, 0.00031897824f*c3);
+	const float ca3 = RNEA_FMA(-0.00031897824f, s3, 0.99999994f*c3);
 	const float qd3 = qd[8*stride];
 	const float qdd3 = qdd[8*stride];
-	const float t83 = RNEA_FMA(-0.35f, t71, a2x);
-	const float t84 = RNEA_FMA(0.35f, t78, a2y);
 	const float a3z = RNEA_FMA(0.35f, t75, a2z);
-	const float w3x = RNEA_FMA(w2x, c3, w2y*s3);
-	const float w3y = RNEA_FMA(s3, -w2x, w2y*c3);
+	const float w3x = RNEA_FMA(w2x, ca3, w2y*sa3);
+	const float w3y = RNEA_FMA(sa3, -w2x, w2y*ca3);
 	const float w3z = w2z + qd3;
-	const float dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(dw2x, c3, dw2y*s3));
-	const float dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(s3, -dw2x, dw2y*c3));
+	const float dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(dw2x, ca3, dw2y*sa3));
+	const float dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(sa3, -dw2x, dw2y*ca3));
 	const float dw3z = dw2z + qdd3;
-	const float a3x = RNEA_FMA(c3, t83, s3*t84);
-	const float a3y = RNEA_FMA(t83, -s3, c3*t84);
-	const float t85 = w3y*w3z;
-	const float t86 = w3z*w3z;
-	const float t87 = w3y*w3y;
-	const float t88 = t85 - dw3x;
-	const float t89 = dw3x + t85;
-	const float t90 = w3x*w3z;
-	const float t91 = w3x*w3x;
-	const float t92 = t90 - dw3y;
-	const float t93 = dw3y + t90;
-	const float t94 = w3x*w3y;
-	const float t95 = t94 - dw3z;
-	const float t96 = dw3z + t94;
-	const float f3x = RNEA_FMA(0.881001f, a3x, RNEA_FMA(-8.81e-05f, t93, RNEA_FMA(-0.110477746f, t86 + t87,
-		3.524e-05f*t95)));
-	const float f3y = RNEA_FMA(0.881001f, a3y, RNEA_FMA(-8.81e-05f, t88, RNEA_FMA(-3.524e-05f, t86 + t91,
-		0.110477746f*t96)));
-	const float f3z = RNEA_FMA(0.881001f, a3z, RNEA_FMA(8.81e-05f, t87 + t91, RNEA_FMA(3.524e-05f, t89,
-		0.110477746f*t92)));
-	const float t97 = RNEA_FMA(4.774e-08f, t96, RNEA_FMA(-5.6580902e-05f, t92, RNEA_FMA(-0.0002300074f, t85,
-		0.00047101022f*dw3x)));
-	const float t98 = RNEA_FMA(5.6580902e-05f, t89, RNEA_FMA(9.96476e-07f, t95, RNEA_FMA(-0.025713976f, t90,
-		0.026414994f*dw3y)));
-	const float t99 = RNEA_FMA(-9.96476e-07f, t93, RNEA_FMA(-4.774e-08f, t88, RNEA_FMA(0.026184987f, dw3z,
-		0.025943983f*t94)));
-	const float n3x = RNEA_FMA(3.524e-05f, a3z, 8.81e-05f*a3y) + RNEA_FMA(-9.96476e-07f, t87 - t86, t97);
-	const float n3y = RNEA_FMA(4.774e-08f, t86 - t91, t98) - RNEA_FMA(8.81e-05f, a3x, 0.110477746f*a3z);
-	const float n3z = RNEA_FMA(-3.524e-05f, a3x, 0.110477746f*a3y) + RNEA_FMA(5.6580902e-05f, t91 - t87, t99);
+	const float a3y = RNEA_FMA(RNEA_FMA(-0.35f, t71, a2x), -sa3, ca3*RNEA_FMA(0.35f, t78, a2y));
+	const float t83 = w3y*w3z;
+	const float t84 = w3z*w3z;
+	const float t85 = w3y*w3y;
+	const float t86 = w3x*w3z;
+	const float t87 = w3x*w3x;
+	const float t88 = t86 - dw3y;
+	const float t89 = w3x*w3y;
+	const float t90 = dw3z + t89;
+	const float t91 = 0.11047775f*(t84 + t85);
+	const float f3y = 0.11047775f*t90;
+	const float t92 = RNEA_FMA(4.7422144e-08f, t90, RNEA_FMA(-6.485646e-05f, t88, RNEA_FMA(-0.025943907f, dw3x,
+		0.026184987f*t83)));
+	const float n3x = RNEA_FMA(-9.964912e-07f, t85 - t84, t92);
+	const float t93 = RNEA_FMA(6.485646e-05f, dw3x + t83, RNEA_FMA(-0.052128892f, t86, 9.964912e-07f*(t89 - dw3z)));
+	const float t94 = RNEA_FMA(-4.7422144e-08f, t83 - dw3x, RNEA_FMA(0.026184987f, dw3z, 0.025943907f*t89));
+	const float n3y = RNEA_FMA(-0.11047775f, a3z, RNEA_FMA(4.7422144e-08f, t84 - t87, t93));
+	const float n3z = RNEA_FMA(0.11047775f, a3y, RNEA_FMA(6.485646e-05f, t87 - t85, RNEA_FMA(-9.964912e-07f, dw3y
+		+ t86, t94)));
 
 	/* ---- back from link 3 "lf_lowerleg" to link 2 (bpass): torque of "lf_kfe_joint" ---- */
 	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
-	const float t100 = RNEA_FMA(s3, f3x, c3*f3y);
-	const float f2x_2 = f2x + RNEA_FMA(-s3, f3y, c3*f3x);
-	const float f2y_2 = f2y + t100;
-	const float f2z_2 = f2z + f3z;
-	const float n2x_2 = n2x + RNEA_FMA(-s3, n3y, c3*n3x);
-	const float n2y_2 = n2y + RNEA_FMA(-0.35f, f3z, RNEA_FMA(s3, n3x, c3*n3y));
-	const float n2z_2 = n2z + RNEA_FMA(0.35f, t100, n3z);
+	const float t95 = RNEA_FMA(-sa3, t91, ca3*f3y);
+	const float t96 = RNEA_FMA(0.0692475f, t77, 0.7060025f*t71) + RNEA_FMA(ca3, t91, sa3*f3y);
+	const float f2y_2 = f2y + t95;
+	const float f2z_2 = RNEA_FMA(0.11047775f, t88, f2z);
+	const float n2x_2 = n2x + RNEA_FMA(-sa3, n3y, ca3*n3x);
+	const float n2y_2 = n2y + RNEA_FMA(-0.038667213f, t88, RNEA_FMA(sa3, n3x, ca3*n3y));
+	const float n2z_2 = n2z + RNEA_FMA(0.35f, t95, n3z);
 	tau[8*stride] = n3z;
 
 	/* ---- back from link 2 "lf_upperleg" to link 1 (bpass): torque of "lf_hfe_joint" ---- */
-	const float t101 = RNEA_FMA(s2, f2x_2, c2*f2y_2);
-	const float t102 = RNEA_FMA(s2, n2x_2, c2*n2y_2);
-	const float t103 = RNEA_FMA(4.8965888e-12f, t101, -f2z_2);
-	const float t104 = RNEA_FMA(4.8965888e-12f, f2z_2, t101);
-	const float f1x_2 = f1x + RNEA_FMA(-s2, f2y_2, c2*f2x_2);
-	const float f1y_2 = f1y + t103;
-	const float f1z_2 = f1z + t104;
+	const float t97 = RNEA_FMA(-s2, t96, c2*f2y_2);
+	const float t98 = RNEA_FMA(s2, n2x_2, c2*n2y_2);
+	const float t99 = RNEA_FMA(4.8965888e-12f, t97, -f2z_2);
+	const float t100 = RNEA_FMA(4.8965888e-12f, f2z_2, t97);
+	const float f1x_2 = f1x - RNEA_FMA(c2, t96, s2*f2y_2);
+	const float f1y_2 = f1y + t99;
+	const float f1z_2 = f1z + t100;
 	const float n1x_2 = n1x + RNEA_FMA(-s2, n2y_2, c2*n2x_2);
-	const float n1y_2 = n1y + RNEA_FMA(-0.08f, t104, RNEA_FMA(4.8965888e-12f, t102, -n2z_2));
-	const float n1z_2 = n1z + RNEA_FMA(0.08f, t103, RNEA_FMA(4.8965888e-12f, n2z_2, t102));
+	const float n1y_2 = n1y + RNEA_FMA(-0.08f, t100, RNEA_FMA(4.8965888e-12f, t98, -n2z_2));
+	const float n1z_2 = n1z + RNEA_FMA(0.08f, t99, RNEA_FMA(4.8965888e-12f, n2z_2, t98));
 	tau[7*stride] = n2z_2;
 
 	/* ---- back from link 1 "lf_hipassembly" to link 0 (bpass): torque of "lf_haa_joint" ---- */
-	const float t105 = RNEA_FMA(f1y_2, -s1, c1*f1x_2);
-	const float t106 = RNEA_FMA(s1, f1x_2, c1*f1y_2);
-	const float t107 = RNEA_FMA(n1y_2, -s1, c1*n1x_2);
-	const float t108 = RNEA_FMA(s1, n1x_2, c1*n1y_2);
-	const float t109 = RNEA_FMA(-4.8965888e-12f, t105, 2.0682311e-13f*t106) - f1z_2;
-	const float t110 = RNEA_FMA(2.0682311e-13f, f1z_2, RNEA_FMA(1.0127277e-24f, t105, t106));
-	const float t111 = RNEA_FMA(4.8965888e-12f, f1z_2, -t105);
-	const float f0x_2 = f0x + t109;
-	const float f0y_2 = f0y - t110;
-	const float f0z_2 = f0z + t111;
-	const float t112 = RNEA_FMA(4.8965888e-12f, n1z_2, -t107) - RNEA_FMA(0.3735f, t110, 0.207f*t109);
-	const float n0x_2 = n0x + RNEA_FMA(0.207f, t111, RNEA_FMA(-4.8965888e-12f, t107, 2.0682311e-13f*t108) - n1z_2);
-	const float n0y_2 = n0y - RNEA_FMA(0.3735f, t111, RNEA_FMA(2.0682311e-13f, n1z_2, RNEA_FMA(1.0127277e-24f, t107,
-		t108)));
-	const float n0z_2 = n0z + t112;
+	const float t101 = RNEA_FMA(f1y_2, -s1, c1*f1x_2);
+	const float t102 = RNEA_FMA(s1, f1x_2, c1*f1y_2);
+	const float t103 = RNEA_FMA(n1y_2, -s1, c1*n1x_2);
+	const float t104 = RNEA_FMA(s1, n1x_2, c1*n1y_2);
+	const float t105 = RNEA_FMA(-4.8965888e-12f, t101, 2.0682311e-13f*t102) - f1z_2;
+	const float t106 = RNEA_FMA(2.0682311e-13f, f1z_2, RNEA_FMA(1.0127277e-24f, t101, t102));
+	const float t107 = RNEA_FMA(4.8965888e-12f, f1z_2, -t101);
+	const float f0x_2 = f0x + t105;
+	const float f0y_2 = f0y - t106;
+	const float f0z_2 = f0z + t107;
+	const float t108 = RNEA_FMA(4.8965888e-12f, n1z_2, -t103) - RNEA_FMA(0.3735f, t106, 0.207f*t105);
+	const float n0x_2 = n0x + RNEA_FMA(0.207f, t107, RNEA_FMA(-4.8965888e-12f, t103, 2.0682311e-13f*t104) - n1z_2);
+	const float n0y_2 = n0y - RNEA_FMA(0.3735f, t107, RNEA_FMA(2.0682311e-13f, n1z_2, RNEA_FMA(1.0127277e-24f, t103,
+		t104)));
+	const float n0z_2 = n0z + t108;
 	tau[6*stride] = n1z_2;
 
 	/* ---- out to link 4 "lh_hipassembly" (fpass) ---- */
@@ -354,46 +347,45 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	all_small &= rneagen_sincosf_known(q4, known, sines + 6, &s4, &c4);
 	const float qd4 = qd[9*stride];
 	const float qdd4 = qdd[9*stride];
-	const float t113 = t33 + t34;
-	const float t114 = t36 + t37;
-	const float t115 = t40 - t39;
-	const float t116 = a0x + t113;
-	const float t117 = a0y - t114;
-	const float t118 = a0z + t115;
-	const float t119 = t118 + RNEA_FMA(1.0127277e-24f, t117, 4.8965888e-12f*t116);
-	const float t120 = RNEA_FMA(2.0682311e-13f, t116, -t117);
-	const float a4z = RNEA_FMA(4.8965888e-12f, t118, -RNEA_FMA(2.0682311e-13f, t117, t116));
+	const float t109 = t33 + t34;
+	const float t110 = t36 + t37;
+	const float t111 = t40 - t39;
+	const float t112 = a0x + t109;
+	const float t113 = a0y - t110;
+	const float t114 = a0z + t111;
+	const float t115 = t114 + RNEA_FMA(1.0127277e-24f, t113, 4.8965888e-12f*t112);
+	const float t116 = RNEA_FMA(2.0682311e-13f, t112, -t113);
+	const float a4z = RNEA_FMA(4.8965888e-12f, t114, -RNEA_FMA(2.0682311e-13f, t113, t112));
 	const float w4x = RNEA_FMA(c4, -t24, t25*s4);
 	const float w4y = RNEA_FMA(t24, s4, t25*c4);
 	const float w4z = t27 + qd4;
 	const float dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(c4, -t29, t30*s4));
 	const float dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(t29, s4, t30*c4));
 	const float dw4z = t32 + qdd4;
-	const float a4x = RNEA_FMA(t119, -c4, s4*t120);
-	const float a4y = RNEA_FMA(s4, t119, c4*t120);
-	const float t121 = w4y*w4z;
-	const float t122 = w4z*w4z;
-	const float t123 = w4y*w4y;
-	const float t124 = t122 + t123;
-	const float t125 = t121 - dw4x;
-	const float t126 = w4x*w4z;
-	const float t127 = w4x*w4x;
-	const float t128 = t126 - dw4y;
-	const float t129 = dw4y + t126;
-	const float t130 = w4x*w4y;
-	const float t131 = dw4z + t130;
-	const float f4x = RNEA_FMA(2.93f, a4x, -RNEA_FMA(0.4960783f, t129, 0.1249059f*t124));
-	const float f4y = RNEA_FMA(2.93f, a4y, RNEA_FMA(-0.4960783f, t125, 0.1249059f*t131));
-	const float f4z = RNEA_FMA(2.93f, a4z, RNEA_FMA(0.4960783f, t123 + t127, 0.1249059f*t128));
-	const float t132 = RNEA_FMA(0.022737818f, t131, RNEA_FMA(-4e-05f, t128, RNEA_FMA(-0.13314101f, t121,
-		0.13470101f*dw4x)));
-	const float t133 = RNEA_FMA(5e-05f, t130 - dw4z, RNEA_FMA(0.14417575f, dw4y, 0.12366628f*t126));
-	const float t134 = RNEA_FMA(0.022737818f, t122 - t127, RNEA_FMA(4e-05f, dw4x + t121, t133));
-	const float t135 = RNEA_FMA(-5e-05f, t129, RNEA_FMA(-0.022737818f, t125, RNEA_FMA(0.011034738f, dw4z,
-		0.0094747385f*t130)));
-	const float n4x = RNEA_FMA(0.4960783f, a4y, RNEA_FMA(-5e-05f, t123 - t122, t132));
-	const float n4y = t134 - RNEA_FMA(0.4960783f, a4x, 0.1249059f*a4z);
-	const float n4z = RNEA_FMA(0.1249059f, a4y, RNEA_FMA(4e-05f, t127 - t123, t135));
+	const float a4x = RNEA_FMA(t115, -c4, s4*t116);
+	const float a4y = RNEA_FMA(s4, t115, c4*t116);
+	const float t117 = w4y*w4z;
+	const float t118 = w4z*w4z;
+	const float t119 = w4y*w4y;
+	const float t120 = t118 + t119;
+	const float t121 = dw4x + t117;
+	const float t122 = w4x*w4z;
+	const float t123 = w4x*w4x;
+	const float t124 = t122 - dw4y;
+	const float t125 = w4x*w4y;
+	const float t126 = t125 - dw4z;
+	const float t127 = dw4z + t125;
+	const float f4y = RNEA_FMA(8.81e-05f, t118 + t123, 0.40642598f*t127);
+	const float f4z = RNEA_FMA(-8.81e-05f, t121, 0.40642598f*t124);
+	const float t128 = RNEA_FMA(0.022737818f, t127, RNEA_FMA(-4.7048e-05f, t124, RNEA_FMA(0.18947332f, dw4x,
+		0.255026f*t117)));
+	const float t129 = RNEA_FMA(0.022737818f, t118 - t123, RNEA_FMA(4.7048e-05f, t121, RNEA_FMA(-0.06555269f, t122,
+		5e-05f*t126)));
+	const float t130 = RNEA_FMA(-0.022737818f, t117 - dw4x, RNEA_FMA(-0.18947332f, t125, 0.255026f*dw4z));
+	const float t131 = RNEA_FMA(4.7048e-05f, t123 - t119, RNEA_FMA(-5e-05f, dw4y + t122, t130));
+	const float n4x = RNEA_FMA(-8.81e-05f, a4z, RNEA_FMA(-5e-05f, t119 - t118, t128));
+	const float n4y = RNEA_FMA(-0.40642598f, a4z, t129);
+	const float n4z = RNEA_FMA(0.40642598f, a4y, 8.81e-05f*a4x) + t131;
 
 	/* ---- out to link 5 "lh_upperleg" (fpass) ---- */
 	const float q5 = q[11*stride];
@@ -401,130 +393,121 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	all_small &= rneagen_sincosf_known(q5, known, sines + 8, &s5, &c5);
 	const float qd5 = qd[10*stride];
 	const float qdd5 = qdd[10*stride];
-	const float t136 = RNEA_FMA(4.8965888e-12f, w4y, w4z);
-	const float t137 = RNEA_FMA(4.8965888e-12f, dw4y, dw4z);
-	const float t138 = RNEA_FMA(-0.08f, t124, a4x);
-	const float t139 = RNEA_FMA(0.08f, t131, a4y);
-	const float t140 = RNEA_FMA(0.08f, t128, a4z);
-	const float t141 = RNEA_FMA(4.8965888e-12f, t139, t140);
-	const float a5z = RNEA_FMA(4.8965888e-12f, t140, -t139);
-	const float w5x = RNEA_FMA(w4x, c5, s5*t136);
-	const float w5y = RNEA_FMA(s5, -w4x, c5*t136);
+	const float t132 = RNEA_FMA(4.8965888e-12f, w4y, w4z);
+	const float t133 = RNEA_FMA(4.8965888e-12f, dw4y, dw4z);
+	const float t134 = RNEA_FMA(-0.08f, t120, a4x);
+	const float t135 = RNEA_FMA(0.08f, t127, a4y);
+	const float t136 = RNEA_FMA(0.08f, t124, a4z);
+	const float t137 = RNEA_FMA(4.8965888e-12f, t135, t136);
+	const float a5z = RNEA_FMA(4.8965888e-12f, t136, -t135);
+	const float w5x = RNEA_FMA(w4x, c5, s5*t132);
+	const float w5y = RNEA_FMA(s5, -w4x, c5*t132);
 	const float w5z = qd5 + RNEA_FMA(4.8965888e-12f, w4z, -w4y);
-	const float dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4x, c5, s5*t137));
-	const float dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(s5, -dw4x, c5*t137));
+	const float dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4x, c5, s5*t133));
+	const float dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(s5, -dw4x, c5*t133));
 	const float dw5z = qdd5 + RNEA_FMA(4.8965888e-12f, dw4z, -dw4y);
-	const float a5x = RNEA_FMA(c5, t138, s5*t141);
-	const float a5y = RNEA_FMA(t138, -s5, c5*t141);
-	const float t142 = w5y*w5z;
-	const float t143 = w5z*w5z;
-	const float t144 = w5y*w5y;
-	const float t145 = t143 + t144;
-	const float t146 = dw5x + t142;
-	const float t147 = w5x*w5z;
-	const float t148 = w5x*w5x;
-	const float t149 = t147 - dw5y;
-	const float t150 = w5x*w5y;
-	const float t151 = t150 - dw5z;
-	const float t152 = dw5z + t150;
-	const float f5x = RNEA_FMA(2.638f, a5x, RNEA_FMA(-0.39765212f, t145, 0.0692475f*t151));
-	const float f5y = RNEA_FMA(2.638f, a5y, RNEA_FMA(-0.0692475f, t143 + t148, 0.39765212f*t152));
-	const float f5z = RNEA_FMA(2.638f, a5z, RNEA_FMA(0.0692475f, t146, 0.39765212f*t149));
-	const float t153 = RNEA_FMA(-0.0001f, t152, RNEA_FMA(0.007418368f, t149, RNEA_FMA(0.005497747f, dw5x,
-		0.0027377468f*t142)));
-	const float t154 = RNEA_FMA(-0.007418368f, t146, RNEA_FMA(-2e-05f, t151, RNEA_FMA(-0.08437208f, t147,
-		0.08713208f*dw5y)));
-	const float t155 = RNEA_FMA(0.0001f, t142 - dw5x, RNEA_FMA(0.08986983f, dw5z, 0.081634335f*t150));
-	const float t156 = RNEA_FMA(-0.007418368f, t148 - t144, RNEA_FMA(2e-05f, dw5y + t147, t155));
-	const float n5x = RNEA_FMA(0.0692475f, a5z, RNEA_FMA(2e-05f, t144 - t143, t153));
-	const float n5y = RNEA_FMA(-0.39765212f, a5z, RNEA_FMA(-0.0001f, t143 - t148, t154));
-	const float n5z = RNEA_FMA(-0.0692475f, a5x, 0.39765212f*a5y) + t156;
+	const float a5x = RNEA_FMA(c5, t134, s5*t137);
+	const float a5y = RNEA_FMA(t134, -s5, c5*t137);
+	const float t138 = w5y*w5z;
+	const float t139 = w5z*w5z;
+	const float t140 = w5y*w5y;
+	const float t141 = t139 + t140;
+	const float t142 = dw5x + t138;
+	const float t143 = w5x*w5z;
+	const float t144 = w5x*w5x;
+	const float t145 = t143 - dw5y;
+	const float t146 = w5x*w5y;
+	const float t147 = t146 - dw5z;
+	const float t148 = dw5z + t146;
+	const float f5x = RNEA_FMA(-0.7060025f, t141, 0.0692475f*t147);
+	const float f5y = RNEA_FMA(-0.0692475f, t139 + t144, 0.7060025f*t148);
+	const float f5z = RNEA_FMA(0.0692475f, t142, 0.7060025f*t145);
+	const float t149 = RNEA_FMA(-0.000130835f, t148, RNEA_FMA(0.007418368f, t145, RNEA_FMA(-0.18955696f, dw5x,
+		0.19779246f*t138)));
+	const float t150 = RNEA_FMA(0.000130835f, t139 - t144, RNEA_FMA(0.007418368f, t142, RNEA_FMA(2e-05f, t147,
+		0.3873494f*t143)));
+	const float t151 = RNEA_FMA(0.000130835f, t138 - dw5x, RNEA_FMA(0.19779246f, dw5z, 0.18955696f*t146));
+	const float t152 = RNEA_FMA(-0.007418368f, t144 - t140, RNEA_FMA(2e-05f, dw5y + t143, t151));
+	const float n5x = RNEA_FMA(0.0692475f, a5z, RNEA_FMA(2e-05f, t140 - t139, t149));
+	const float n5z = RNEA_FMA(-0.0692475f, a5x, 0.7060025f*a5y) + t152;
 
 	/* ---- out to link 6 "lh_lowerleg" (fpass) ---- */
 	const float q6 = q[12*stride];
 	float s6, c6;
 	all_small &= rneagen_sincosf_known(q6, known, sines + 10, &s6, &c6);
+	const float sa6 = RNEA_FMA(-0.00031897824f, c6, 0.99999994f*s6);
+	const float ca6 = RNEA_FMA(0.99999994f, c6, 0.00031897824f*s6);
 	const float qd6 = qd[11*stride];
 	const float qdd6 = qdd[11*stride];
-	const float t157 = RNEA_FMA(-0.35f, t145, a5x);
-	const float t158 = RNEA_FMA(0.35f, t152, a5y);
-	const float a6z = RNEA_FMA(0.35f, t149, a5z);
-	const float w6x = RNEA_FMA(w5x, c6, w5y*s6);
-	const float w6y = RNEA_FMA(s6, -w5x, w5y*c6);
+	const float a6z = RNEA_FMA(0.35f, t145, a5z);
+	const float w6x = RNEA_FMA(w5x, ca6, w5y*sa6);
+	const float w6y = RNEA_FMA(sa6, -w5x, w5y*ca6);
 	const float w6z = w5z + qd6;
-	const float dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5y*s6));
-	const float dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5y*c6));
+	const float dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, ca6, dw5y*sa6));
+	const float dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(sa6, -dw5x, dw5y*ca6));
 	const float dw6z = dw5z + qdd6;
-	const float a6x = RNEA_FMA(c6, t157, s6*t158);
-	const float a6y = RNEA_FMA(t157, -s6, c6*t158);
-	const float t159 = w6y*w6z;
-	const float t160 = w6z*w6z;
-	const float t161 = w6y*w6y;
-	const float t162 = t159 - dw6x;
-	const float t163 = dw6x + t159;
-	const float t164 = w6x*w6z;
-	const float t165 = w6x*w6x;
-	const float t166 = t164 - dw6y;
-	const float t167 = dw6y + t164;
-	const float t168 = w6x*w6y;
-	const float t169 = t168 - dw6z;
-	const float t170 = dw6z + t168;
-	const float t171 = RNEA_FMA(8.81e-05f, t167, -RNEA_FMA(3.524e-05f, t169, 0.110477746f*(t160 + t161)));
-	const float f6x = RNEA_FMA(0.881001f, a6x, t171);
-	const float f6y = RNEA_FMA(0.881001f, a6y, RNEA_FMA(8.81e-05f, t162, RNEA_FMA(3.524e-05f, t160 + t165,
-		0.110477746f*t170)));
-	const float f6z = RNEA_FMA(0.881001f, a6z, RNEA_FMA(-8.81e-05f, t161 + t165, RNEA_FMA(-3.524e-05f, t163,
-		0.110477746f*t166)));
-	const float t172 = RNEA_FMA(-2.04774e-06f, t170, RNEA_FMA(5.4580905e-05f, t166, RNEA_FMA(-0.0002300074f, t159,
-		0.00047101022f*dw6x)));
-	const float t173 = RNEA_FMA(-5.4580905e-05f, t163, RNEA_FMA(9.96476e-07f, t169, RNEA_FMA(-0.025713976f, t164,
-		0.026414994f*dw6y)));
-	const float t174 = RNEA_FMA(-9.96476e-07f, t167, RNEA_FMA(2.04774e-06f, t162, RNEA_FMA(0.026184987f, dw6z,
-		0.025943983f*t168)));
-	const float n6x = RNEA_FMA(-9.96476e-07f, t161 - t160, t172) - RNEA_FMA(3.524e-05f, a6z, 8.81e-05f*a6y);
-	const float n6y = RNEA_FMA(-0.110477746f, a6z, 8.81e-05f*a6x) + RNEA_FMA(-2.04774e-06f, t160 - t165, t173);
-	const float n6z = RNEA_FMA(0.110477746f, a6y, 3.524e-05f*a6x) + RNEA_FMA(-5.4580905e-05f, t165 - t161, t174);
+	const float a6y = RNEA_FMA(RNEA_FMA(-0.35f, t141, a5x), -sa6, ca6*RNEA_FMA(0.35f, t148, a5y));
+	const float t153 = w6y*w6z;
+	const float t154 = w6z*w6z;
+	const float t155 = w6y*w6y;
+	const float t156 = w6x*w6z;
+	const float t157 = w6x*w6x;
+	const float t158 = t156 - dw6y;
+	const float t159 = w6x*w6y;
+	const float t160 = dw6z + t159;
+	const float t161 = 0.11047775f*(t154 + t155);
+	const float f6y = 0.11047775f*t160;
+	const float t162 = RNEA_FMA(-2.047422e-06f, t160, RNEA_FMA(6.285646e-05f, t158, RNEA_FMA(-0.025943909f, dw6x,
+		0.026184987f*t153)));
+	const float n6x = RNEA_FMA(-9.971292e-07f, t155 - t154, t162);
+	const float t163 = RNEA_FMA(-6.285646e-05f, dw6x + t153, RNEA_FMA(-0.052128896f, t156, 9.971292e-07f*(t159
+		- dw6z)));
+	const float t164 = RNEA_FMA(2.047422e-06f, t153 - dw6x, RNEA_FMA(0.026184987f, dw6z, 0.025943909f*t159));
+	const float n6y = RNEA_FMA(-0.11047775f, a6z, RNEA_FMA(-2.047422e-06f, t154 - t157, t163));
+	const float n6z = RNEA_FMA(0.11047775f, a6y, RNEA_FMA(-6.285646e-05f, t157 - t155, RNEA_FMA(-9.971292e-07f, dw6y
+		+ t156, t164)));
 
 	/* ---- back from link 6 "lh_lowerleg" to link 5 (bpass): torque of "lh_kfe_joint" ---- */
-	const float t175 = RNEA_FMA(s6, f6x, c6*f6y);
-	const float f5x_2 = f5x + RNEA_FMA(-s6, f6y, c6*f6x);
-	const float f5y_2 = f5y + t175;
-	const float f5z_2 = f5z + f6z;
-	const float n5x_2 = n5x + RNEA_FMA(-s6, n6y, c6*n6x);
-	const float n5y_2 = n5y + RNEA_FMA(-0.35f, f6z, RNEA_FMA(s6, n6x, c6*n6y));
-	const float n5z_2 = n5z + RNEA_FMA(0.35f, t175, n6z);
+	const float t165 = RNEA_FMA(-sa6, t161, ca6*f6y);
+	const float f5x_2 = f5x - RNEA_FMA(ca6, t161, sa6*f6y);
+	const float f5y_2 = f5y + t165;
+	const float f5z_2 = RNEA_FMA(0.11047775f, t158, f5z);
+	const float n5x_2 = n5x + RNEA_FMA(-sa6, n6y, ca6*n6x);
+	const float n5y = RNEA_FMA(-0.038667213f, t158, RNEA_FMA(sa6, n6x, ca6*n6y)) - RNEA_FMA(0.7060025f, a5z, t150);
+	const float n5z_2 = n5z + RNEA_FMA(0.35f, t165, n6z);
 	tau[11*stride] = n6z;
 
 	/* ---- back from link 5 "lh_upperleg" to link 4 (bpass): torque of "lh_hfe_joint" ---- */
-	const float t176 = RNEA_FMA(s5, f5x_2, c5*f5y_2);
-	const float t177 = RNEA_FMA(s5, n5x_2, c5*n5y_2);
-	const float t178 = RNEA_FMA(4.8965888e-12f, t176, -f5z_2);
-	const float t179 = RNEA_FMA(4.8965888e-12f, f5z_2, t176);
-	const float f4x_2 = f4x + RNEA_FMA(-s5, f5y_2, c5*f5x_2);
-	const float f4y_2 = f4y + t178;
-	const float f4z_2 = f4z + t179;
-	const float n4x_2 = n4x + RNEA_FMA(-s5, n5y_2, c5*n5x_2);
-	const float n4y_2 = n4y + RNEA_FMA(-0.08f, t179, RNEA_FMA(4.8965888e-12f, t177, -n5z_2));
-	const float n4z_2 = n4z + RNEA_FMA(0.08f, t178, RNEA_FMA(4.8965888e-12f, n5z_2, t177));
+	const float t166 = RNEA_FMA(-s5, f5y_2, c5*f5x_2);
+	const float t167 = RNEA_FMA(s5, f5x_2, c5*f5y_2);
+	const float t168 = RNEA_FMA(s5, n5x_2, c5*n5y);
+	const float t169 = RNEA_FMA(4.8965888e-12f, t167, -f5z_2);
+	const float t170 = RNEA_FMA(4.8965888e-12f, f5z_2, t167);
+	const float f4x = t166 - RNEA_FMA(8.81e-05f, t126, 0.40642598f*t120);
+	const float f4y_2 = f4y + t169;
+	const float f4z_2 = f4z + t170;
+	const float n4x_2 = n4x + RNEA_FMA(-s5, n5y, c5*n5x_2);
+	const float n4y_2 = n4y + RNEA_FMA(-0.08f, t170, RNEA_FMA(4.8965888e-12f, t168, -n5z_2));
+	const float n4z_2 = n4z + RNEA_FMA(0.08f, t169, RNEA_FMA(4.8965888e-12f, n5z_2, t168));
 	tau[10*stride] = n5z_2;
 
 	/* ---- back from link 4 "lh_hipassembly" to link 0 (bpass): torque of "lh_haa_joint" ---- */
-	const float t180 = RNEA_FMA(f4y_2, -s4, c4*f4x_2);
-	const float t181 = RNEA_FMA(s4, f4x_2, c4*f4y_2);
-	const float t182 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
-	const float t183 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
-	const float t184 = RNEA_FMA(-4.8965888e-12f, t180, 2.0682311e-13f*t181) - f4z_2;
-	const float t185 = RNEA_FMA(2.0682311e-13f, f4z_2, RNEA_FMA(1.0127277e-24f, t180, t181));
-	const float t186 = RNEA_FMA(4.8965888e-12f, f4z_2, -t180);
-	const float f0x_3 = f0x_2 + t184;
-	const float f0y_3 = f0y_2 - t185;
-	const float f0z_3 = f0z_2 + t186;
-	const float t187 = RNEA_FMA(4.8965888e-12f, n4z_2, -t182) + RNEA_FMA(-0.207f, t184, 0.3735f*t185);
-	const float n0x_3 = n0x_2 + RNEA_FMA(0.207f, t186, RNEA_FMA(-4.8965888e-12f, t182, 2.0682311e-13f*t183)
+	const float t171 = RNEA_FMA(f4y_2, -s4, c4*f4x);
+	const float t172 = RNEA_FMA(s4, f4x, c4*f4y_2);
+	const float t173 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
+	const float t174 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
+	const float t175 = RNEA_FMA(-4.8965888e-12f, t171, 2.0682311e-13f*t172) - f4z_2;
+	const float t176 = RNEA_FMA(2.0682311e-13f, f4z_2, RNEA_FMA(1.0127277e-24f, t171, t172));
+	const float t177 = RNEA_FMA(4.8965888e-12f, f4z_2, -t171);
+	const float f0x_3 = f0x_2 + t175;
+	const float f0y_3 = f0y_2 - t176;
+	const float f0z_3 = f0z_2 + t177;
+	const float t178 = RNEA_FMA(4.8965888e-12f, n4z_2, -t173) + RNEA_FMA(-0.207f, t175, 0.3735f*t176);
+	const float n0x_3 = n0x_2 + RNEA_FMA(0.207f, t177, RNEA_FMA(-4.8965888e-12f, t173, 2.0682311e-13f*t174)
 		- n4z_2);
-	const float n0y_3 = n0y_2 + RNEA_FMA(0.3735f, t186, -RNEA_FMA(2.0682311e-13f, n4z_2, RNEA_FMA(1.0127277e-24f,
-		t182, t183)));
-	const float n0z_3 = n0z_2 + t187;
+	const float n0y_3 = n0y_2 + RNEA_FMA(0.3735f, t177, -RNEA_FMA(2.0682311e-13f, n4z_2, RNEA_FMA(1.0127277e-24f,
+		t173, t174)));
+	const float n0z_3 = n0z_2 + t178;
 	tau[9*stride] = n4z_2;
 
 	/* ---- out to link 7 "rf_hipassembly" (fpass) ---- */
@@ -533,46 +516,45 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	all_small &= rneagen_sincosf_known(q7, known, sines + 12, &s7, &c7);
 	const float qd7 = qd[12*stride];
 	const float qdd7 = qdd[12*stride];
-	const float t188 = t23 - qd0wz;
-	const float t189 = qd0wx + t26;
-	const float t190 = t28 - qdd0wz;
-	const float t191 = qdd0wx + t31;
-	const float t192 = a0x - t113;
-	const float t193 = a0y + t114;
-	const float t194 = a0z - t115;
-	const float t195 = RNEA_FMA(4.8965888e-12f, t192, -t194);
-	const float a7z = RNEA_FMA(4.8965888e-12f, t194, t192);
-	const float w7x = RNEA_FMA(c7, t188, qd0wy*s7);
-	const float w7y = RNEA_FMA(t188, -s7, qd0wy*c7);
-	const float w7z = qd7 + t189;
-	const float dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, t190, qdd0wy*s7));
-	const float dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(t190, -s7, qdd0wy*c7));
-	const float dw7z = qdd7 + t191;
-	const float a7x = RNEA_FMA(c7, t195, s7*t193);
-	const float a7y = RNEA_FMA(t195, -s7, c7*t193);
-	const float t196 = w7y*w7z;
-	const float t197 = w7z*w7z;
-	const float t198 = w7y*w7y;
-	const float t199 = t197 + t198;
-	const float t200 = t196 - dw7x;
-	const float t201 = w7x*w7z;
-	const float t202 = w7x*w7x;
-	const float t203 = t201 - dw7y;
-	const float t204 = dw7y + t201;
-	const float t205 = w7x*w7y;
-	const float t206 = dw7z + t205;
-	const float f7x = RNEA_FMA(2.93f, a7x, -RNEA_FMA(0.4960783f, t204, 0.1249059f*t199));
-	const float f7y = RNEA_FMA(2.93f, a7y, RNEA_FMA(-0.4960783f, t200, 0.1249059f*t206));
-	const float f7z = RNEA_FMA(2.93f, a7z, RNEA_FMA(0.4960783f, t198 + t202, 0.1249059f*t203));
-	const float t207 = RNEA_FMA(0.022737818f, t206, RNEA_FMA(-4e-05f, t203, RNEA_FMA(-0.13314101f, t196,
-		0.13470101f*dw7x)));
-	const float t208 = RNEA_FMA(5e-05f, t205 - dw7z, RNEA_FMA(0.14417575f, dw7y, 0.12366628f*t201));
-	const float t209 = RNEA_FMA(0.022737818f, t197 - t202, RNEA_FMA(4e-05f, dw7x + t196, t208));
-	const float t210 = RNEA_FMA(-5e-05f, t204, RNEA_FMA(-0.022737818f, t200, RNEA_FMA(0.011034738f, dw7z,
-		0.0094747385f*t205)));
-	const float n7x = RNEA_FMA(0.4960783f, a7y, RNEA_FMA(-5e-05f, t198 - t197, t207));
-	const float n7y = t209 - RNEA_FMA(0.4960783f, a7x, 0.1249059f*a7z);
-	const float n7z = RNEA_FMA(0.1249059f, a7y, RNEA_FMA(4e-05f, t202 - t198, t210));
+	const float t179 = t23 - qd0wz;
+	const float t180 = qd0wx + t26;
+	const float t181 = t28 - qdd0wz;
+	const float t182 = qdd0wx + t31;
+	const float t183 = a0x - t109;
+	const float t184 = a0y + t110;
+	const float t185 = a0z - t111;
+	const float t186 = RNEA_FMA(4.8965888e-12f, t183, -t185);
+	const float a7z = RNEA_FMA(4.8965888e-12f, t185, t183);
+	const float w7x = RNEA_FMA(c7, t179, qd0wy*s7);
+	const float w7y = RNEA_FMA(t179, -s7, qd0wy*c7);
+	const float w7z = qd7 + t180;
+	const float dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, t181, qdd0wy*s7));
+	const float dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(t181, -s7, qdd0wy*c7));
+	const float dw7z = qdd7 + t182;
+	const float a7x = RNEA_FMA(c7, t186, s7*t184);
+	const float a7y = RNEA_FMA(t186, -s7, c7*t184);
+	const float t187 = w7y*w7z;
+	const float t188 = w7z*w7z;
+	const float t189 = w7y*w7y;
+	const float t190 = t188 + t189;
+	const float t191 = dw7x + t187;
+	const float t192 = w7x*w7z;
+	const float t193 = w7x*w7x;
+	const float t194 = t192 - dw7y;
+	const float t195 = w7x*w7y;
+	const float t196 = t195 - dw7z;
+	const float t197 = dw7z + t195;
+	const float f7y = RNEA_FMA(8.81e-05f, t188 + t193, 0.40642598f*t197);
+	const float f7z = RNEA_FMA(-8.81e-05f, t191, 0.40642598f*t194);
+	const float t198 = RNEA_FMA(0.022737818f, t197, RNEA_FMA(-4.7048e-05f, t194, RNEA_FMA(0.18947332f, dw7x,
+		0.255026f*t187)));
+	const float t199 = RNEA_FMA(0.022737818f, t188 - t193, RNEA_FMA(4.7048e-05f, t191, RNEA_FMA(-0.06555269f, t192,
+		5.0000002e-05f*t196)));
+	const float t200 = RNEA_FMA(-0.022737818f, t187 - dw7x, RNEA_FMA(-0.18947332f, t195, 0.255026f*dw7z));
+	const float t201 = RNEA_FMA(4.7048e-05f, t193 - t189, RNEA_FMA(-5.0000002e-05f, dw7y + t192, t200));
+	const float n7x = RNEA_FMA(-8.81e-05f, a7z, RNEA_FMA(-5.0000002e-05f, t189 - t188, t198));
+	const float n7y = RNEA_FMA(-0.40642598f, a7z, t199);
+	const float n7z = RNEA_FMA(0.40642598f, a7y, 8.81e-05f*a7x) + t201;
 
 	/* ---- out to link 8 "rf_upperleg" (fpass) ---- */
 	const float q8 = q[14*stride];
@@ -580,126 +562,115 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	all_small &= rneagen_sincosf_known(q8, known, sines + 14, &s8, &c8);
 	const float qd8 = qd[13*stride];
 	const float qdd8 = qdd[13*stride];
-	const float t211 = RNEA_FMA(4.8965888e-12f, w7y, -w7z);
-	const float t212 = RNEA_FMA(4.8965888e-12f, dw7y, -dw7z);
-	const float t213 = RNEA_FMA(-0.08f, t199, a7x);
-	const float t214 = RNEA_FMA(0.08f, t206, a7y);
-	const float t215 = RNEA_FMA(0.08f, t203, a7z);
-	const float t216 = RNEA_FMA(4.8965888e-12f, t214, -t215);
-	const float a8z = RNEA_FMA(4.8965888e-12f, t215, t214);
-	const float w8x = RNEA_FMA(w7x, c8, s8*t211);
-	const float w8y = RNEA_FMA(s8, -w7x, c8*t211);
+	const float t202 = RNEA_FMA(4.8965888e-12f, w7y, -w7z);
+	const float t203 = RNEA_FMA(4.8965888e-12f, dw7y, -dw7z);
+	const float t204 = RNEA_FMA(-0.08f, t190, a7x);
+	const float t205 = RNEA_FMA(0.08f, t197, a7y);
+	const float t206 = RNEA_FMA(0.08f, t194, a7z);
+	const float t207 = RNEA_FMA(4.8965888e-12f, t205, -t206);
+	const float a8z = RNEA_FMA(4.8965888e-12f, t206, t205);
+	const float w8x = RNEA_FMA(w7x, c8, s8*t202);
+	const float w8y = RNEA_FMA(s8, -w7x, c8*t202);
 	const float w8z = qd8 + RNEA_FMA(4.8965888e-12f, w7z, w7y);
-	const float dw8x = RNEA_FMA(qd8, w8y, RNEA_FMA(dw7x, c8, s8*t212));
-	const float dw8y = RNEA_FMA(w8x, -qd8, RNEA_FMA(s8, -dw7x, c8*t212));
+	const float dw8x = RNEA_FMA(qd8, w8y, RNEA_FMA(dw7x, c8, s8*t203));
+	const float dw8y = RNEA_FMA(w8x, -qd8, RNEA_FMA(s8, -dw7x, c8*t203));
 	const float dw8z = qdd8 + RNEA_FMA(4.8965888e-12f, dw7z, dw7y);
-	const float a8x = RNEA_FMA(c8, t213, s8*t216);
-	const float a8y = RNEA_FMA(t213, -s8, c8*t216);
-	const float t217 = w8y*w8z;
-	const float t218 = w8z*w8z;
-	const float t219 = w8y*w8y;
-	const float t220 = t218 + t219;
-	const float t221 = dw8x + t217;
-	const float t222 = w8x*w8z;
-	const float t223 = w8x*w8x;
-	const float t224 = t222 - dw8y;
-	const float t225 = w8x*w8y;
-	const float t226 = t225 - dw8z;
-	const float t227 = dw8z + t225;
-	const float f8x = RNEA_FMA(2.638f, a8x, -RNEA_FMA(0.0692475f, t226, 0.39765212f*t220));
-	const float f8y = RNEA_FMA(2.638f, a8y, RNEA_FMA(0.0692475f, t218 + t223, 0.39765212f*t227));
-	const float f8z = RNEA_FMA(2.638f, a8z, RNEA_FMA(-0.0692475f, t221, 0.39765212f*t224));
-	const float t228 = RNEA_FMA(0.0001f, t227, RNEA_FMA(-0.007418368f, t224, RNEA_FMA(0.005497747f, dw8x,
-		0.0027377468f*t217)));
-	const float t229 = RNEA_FMA(0.007418368f, t221, RNEA_FMA(-2e-05f, t226, RNEA_FMA(-0.08437208f, t222,
-		0.08713208f*dw8y)));
-	const float t230 = RNEA_FMA(-0.0001f, t217 - dw8x, RNEA_FMA(0.08986983f, dw8z, 0.081634335f*t225));
-	const float t231 = RNEA_FMA(0.007418368f, t223 - t219, RNEA_FMA(2e-05f, dw8y + t222, t230));
-	const float n8x = RNEA_FMA(-0.0692475f, a8z, RNEA_FMA(2e-05f, t219 - t218, t228));
-	const float n8y = RNEA_FMA(-0.39765212f, a8z, RNEA_FMA(0.0001f, t218 - t223, t229));
-	const float n8z = RNEA_FMA(0.39765212f, a8y, 0.0692475f*a8x) + t231;
+	const float a8x = RNEA_FMA(c8, t204, s8*t207);
+	const float a8y = RNEA_FMA(t204, -s8, c8*t207);
+	const float t208 = w8y*w8z;
+	const float t209 = w8z*w8z;
+	const float t210 = w8y*w8y;
+	const float t211 = t209 + t210;
+	const float t212 = dw8x + t208;
+	const float t213 = w8x*w8z;
+	const float t214 = w8x*w8x;
+	const float t215 = t213 - dw8y;
+	const float t216 = w8x*w8y;
+	const float t217 = t216 - dw8z;
+	const float t218 = dw8z + t216;
+	const float f8y = RNEA_FMA(0.0692475f, t209 + t214, 0.7060025f*t218);
+	const float f8z = RNEA_FMA(-0.0692475f, t212, 0.7060025f*t215);
+	const float t219 = RNEA_FMA(0.000130835f, t218, RNEA_FMA(-0.007418368f, t215, RNEA_FMA(-0.18955696f, dw8x,
+		0.19779246f*t208)));
+	const float t220 = RNEA_FMA(0.007418368f, t212, -RNEA_FMA(2e-05f, t217, 0.3873494f*t213));
+	const float t221 = RNEA_FMA(-0.000130835f, t208 - dw8x, RNEA_FMA(0.19779246f, dw8z, 0.18955696f*t216));
+	const float t222 = RNEA_FMA(0.007418368f, t214 - t210, RNEA_FMA(2e-05f, dw8y + t213, t221));
+	const float n8x = RNEA_FMA(-0.0692475f, a8z, RNEA_FMA(2e-05f, t210 - t209, t219));
+	const float n8y = RNEA_FMA(-0.7060025f, a8z, RNEA_FMA(0.000130835f, t209 - t214, t220));
+	const float n8z = RNEA_FMA(0.7060025f, a8y, 0.0692475f*a8x) + t222;
 
 	/* ---- out to link 9 "rf_lowerleg" (fpass) ---- */
 	const float q9 = q[15*stride];
 	float s9, c9;
 	all_small &= rneagen_sincosf_known(q9, known, sines + 16, &s9, &c9);
+	const float sa9 = RNEA_FMA(0.99999994f, s9, 0.00031897824f*c9);
+	const float ca9 = RNEA_FMA(-0.00031897824f, s9, 0.99999994f*c9);
 	const float qd9 = qd[14*stride];
 	const float qdd9 = qdd[14*stride];
-	const float t232 = RNEA_FMA(-0.35f, t220, a8x);
-	const float t233 = RNEA_FMA(0.35f, t227, a8y);
-	const float a9z = RNEA_FMA(0.35f, t224, a8z);
-	const float w9x = RNEA_FMA(w8x, c9, w8y*s9);
-	const float w9y = RNEA_FMA(s9, -w8x, w8y*c9);
+	const float a9z = RNEA_FMA(0.35f, t215, a8z);
+	const float w9x = RNEA_FMA(w8x, ca9, w8y*sa9);
+	const float w9y = RNEA_FMA(sa9, -w8x, w8y*ca9);
 	const float w9z = w8z + qd9;
-	const float dw9x = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8x, c9, dw8y*s9));
-	const float dw9y = RNEA_FMA(w9x, -qd9, RNEA_FMA(s9, -dw8x, dw8y*c9));
+	const float dw9x = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8x, ca9, dw8y*sa9));
+	const float dw9y = RNEA_FMA(w9x, -qd9, RNEA_FMA(sa9, -dw8x, dw8y*ca9));
 	const float dw9z = dw8z + qdd9;
-	const float a9x = RNEA_FMA(c9, t232, s9*t233);
-	const float a9y = RNEA_FMA(t232, -s9, c9*t233);
-	const float t234 = w9y*w9z;
-	const float t235 = w9z*w9z;
-	const float t236 = w9y*w9y;
-	const float t237 = t234 - dw9x;
-	const float t238 = dw9x + t234;
-	const float t239 = w9x*w9z;
-	const float t240 = w9x*w9x;
-	const float t241 = t239 - dw9y;
-	const float t242 = dw9y + t239;
-	const float t243 = w9x*w9y;
-	const float t244 = t243 - dw9z;
-	const float t245 = dw9z + t243;
-	const float f9x = RNEA_FMA(0.881001f, a9x, RNEA_FMA(-8.81e-05f, t242, RNEA_FMA(-0.110477746f, t235 + t236,
-		3.524e-05f*t244)));
-	const float f9y = RNEA_FMA(0.881001f, a9y, RNEA_FMA(-8.81e-05f, t237, RNEA_FMA(-3.524e-05f, t235 + t240,
-		0.110477746f*t245)));
-	const float f9z = RNEA_FMA(0.881001f, a9z, RNEA_FMA(8.81e-05f, t236 + t240, RNEA_FMA(3.524e-05f, t238,
-		0.110477746f*t241)));
-	const float t246 = RNEA_FMA(4.774e-08f, t245, RNEA_FMA(-5.6580902e-05f, t241, RNEA_FMA(-0.0002300074f, t234,
-		0.00047101022f*dw9x)));
-	const float t247 = RNEA_FMA(5.6580902e-05f, t238, RNEA_FMA(9.96476e-07f, t244, RNEA_FMA(-0.025713976f, t239,
-		0.026414994f*dw9y)));
-	const float t248 = RNEA_FMA(-9.96476e-07f, t242, RNEA_FMA(-4.774e-08f, t237, RNEA_FMA(0.026184987f, dw9z,
-		0.025943983f*t243)));
-	const float n9x = RNEA_FMA(3.524e-05f, a9z, 8.81e-05f*a9y) + RNEA_FMA(-9.96476e-07f, t236 - t235, t246);
-	const float n9y = RNEA_FMA(4.774e-08f, t235 - t240, t247) - RNEA_FMA(8.81e-05f, a9x, 0.110477746f*a9z);
-	const float n9z = RNEA_FMA(-3.524e-05f, a9x, 0.110477746f*a9y) + RNEA_FMA(5.6580902e-05f, t240 - t236, t248);
+	const float a9y = RNEA_FMA(RNEA_FMA(-0.35f, t211, a8x), -sa9, ca9*RNEA_FMA(0.35f, t218, a8y));
+	const float t223 = w9y*w9z;
+	const float t224 = w9z*w9z;
+	const float t225 = w9y*w9y;
+	const float t226 = w9x*w9z;
+	const float t227 = w9x*w9x;
+	const float t228 = t226 - dw9y;
+	const float t229 = w9x*w9y;
+	const float t230 = dw9z + t229;
+	const float t231 = 0.11047775f*(t224 + t225);
+	const float f9y = 0.11047775f*t230;
+	const float t232 = RNEA_FMA(4.7422144e-08f, t230, RNEA_FMA(-6.485646e-05f, t228, RNEA_FMA(-0.025943907f, dw9x,
+		0.026184987f*t223)));
+	const float n9x = RNEA_FMA(-9.964912e-07f, t225 - t224, t232);
+	const float t233 = RNEA_FMA(6.485646e-05f, dw9x + t223, RNEA_FMA(-0.052128892f, t226, 9.964912e-07f*(t229
+		- dw9z)));
+	const float t234 = RNEA_FMA(-4.7422144e-08f, t223 - dw9x, RNEA_FMA(0.026184987f, dw9z, 0.025943907f*t229));
+	const float n9y = RNEA_FMA(-0.11047775f, a9z, RNEA_FMA(4.7422144e-08f, t224 - t227, t233));
+	const float n9z = RNEA_FMA(0.11047775f, a9y, RNEA_FMA(6.485646e-05f, t227 - t225, RNEA_FMA(-9.964912e-07f, dw9y
+		+ t226, t234)));
 
 	/* ---- back from link 9 "rf_lowerleg" to link 8 (bpass): torque of "rf_kfe_joint" ---- */
-	const float t249 = RNEA_FMA(s9, f9x, c9*f9y);
-	const float f8x_2 = f8x + RNEA_FMA(-s9, f9y, c9*f9x);
-	const float f8y_2 = f8y + t249;
-	const float f8z_2 = f8z + f9z;
-	const float n8x_2 = n8x + RNEA_FMA(-s9, n9y, c9*n9x);
-	const float n8y_2 = n8y + RNEA_FMA(-0.35f, f9z, RNEA_FMA(s9, n9x, c9*n9y));
-	const float n8z_2 = n8z + RNEA_FMA(0.35f, t249, n9z);
+	const float t235 = RNEA_FMA(-sa9, t231, ca9*f9y);
+	const float t236 = RNEA_FMA(0.0692475f, t217, 0.7060025f*t211) + RNEA_FMA(ca9, t231, sa9*f9y);
+	const float f8y_2 = f8y + t235;
+	const float f8z_2 = RNEA_FMA(0.11047775f, t228, f8z);
+	const float n8x_2 = n8x + RNEA_FMA(-sa9, n9y, ca9*n9x);
+	const float n8y_2 = n8y + RNEA_FMA(-0.038667213f, t228, RNEA_FMA(sa9, n9x, ca9*n9y));
+	const float n8z_2 = n8z + RNEA_FMA(0.35f, t235, n9z);
 	tau[14*stride] = n9z;
 
 	/* ---- back from link 8 "rf_upperleg" to link 7 (bpass): torque of "rf_hfe_joint" ---- */
-	const float t250 = RNEA_FMA(s8, f8x_2, c8*f8y_2);
-	const float t251 = RNEA_FMA(s8, n8x_2, c8*n8y_2);
-	const float t252 = RNEA_FMA(4.8965888e-12f, t250, f8z_2);
-	const float t253 = RNEA_FMA(4.8965888e-12f, f8z_2, -t250);
-	const float f7x_2 = f7x + RNEA_FMA(-s8, f8y_2, c8*f8x_2);
-	const float f7y_2 = f7y + t252;
-	const float f7z_2 = f7z + t253;
+	const float t237 = RNEA_FMA(-s8, t236, c8*f8y_2);
+	const float t238 = RNEA_FMA(s8, n8x_2, c8*n8y_2);
+	const float t239 = RNEA_FMA(4.8965888e-12f, t237, f8z_2);
+	const float t240 = RNEA_FMA(4.8965888e-12f, f8z_2, -t237);
+	const float t241 = RNEA_FMA(8.81e-05f, t196, 0.40642598f*t190) + RNEA_FMA(c8, t236, s8*f8y_2);
+	const float f7y_2 = f7y + t239;
+	const float f7z_2 = f7z + t240;
 	const float n7x_2 = n7x + RNEA_FMA(-s8, n8y_2, c8*n8x_2);
-	const float n7y_2 = n7y + RNEA_FMA(-0.08f, t253, RNEA_FMA(4.8965888e-12f, t251, n8z_2));
-	const float n7z_2 = n7z + RNEA_FMA(0.08f, t252, RNEA_FMA(4.8965888e-12f, n8z_2, -t251));
+	const float n7y_2 = n7y + RNEA_FMA(-0.08f, t240, RNEA_FMA(4.8965888e-12f, t238, n8z_2));
+	const float n7z_2 = n7z + RNEA_FMA(0.08f, t239, RNEA_FMA(4.8965888e-12f, n8z_2, -t238));
 	tau[13*stride] = n8z_2;
 
 	/* ---- back from link 7 "rf_hipassembly" to link 0 (bpass): torque of "rf_haa_joint" ---- */
-	const float t254 = RNEA_FMA(-s7, f7y_2, c7*f7x_2);
-	const float t255 = RNEA_FMA(s7, f7x_2, c7*f7y_2);
-	const float t256 = RNEA_FMA(-s7, n7y_2, c7*n7x_2);
-	const float t257 = RNEA_FMA(4.8965888e-12f, t254, f7z_2);
-	const float t258 = RNEA_FMA(4.8965888e-12f, f7z_2, -t254);
-	const float f0x_4 = f0x_3 + t257;
-	const float f0y_4 = f0y_3 + t255;
-	const float f0z_4 = f0z_3 + t258;
-	const float t259 = RNEA_FMA(4.8965888e-12f, n7z_2, -t256) + RNEA_FMA(0.3735f, t255, 0.207f*t257);
-	const float n0x_4 = n0x_3 + RNEA_FMA(-0.207f, t258, RNEA_FMA(4.8965888e-12f, t256, n7z_2));
-	const float n0y_4 = n0y_3 + RNEA_FMA(-0.3735f, t258, RNEA_FMA(s7, n7x_2, c7*n7y_2));
-	const float n0z_4 = n0z_3 + t259;
+	const float t242 = RNEA_FMA(c7, t241, s7*f7y_2);
+	const float t243 = RNEA_FMA(-s7, t241, c7*f7y_2);
+	const float t244 = RNEA_FMA(-s7, n7y_2, c7*n7x_2);
+	const float t245 = RNEA_FMA(-4.8965888e-12f, t242, f7z_2);
+	const float t246 = RNEA_FMA(4.8965888e-12f, f7z_2, t242);
+	const float f0x_4 = f0x_3 + t245;
+	const float f0y_4 = f0y_3 + t243;
+	const float f0z_4 = f0z_3 + t246;
+	const float t247 = RNEA_FMA(4.8965888e-12f, n7z_2, -t244) + RNEA_FMA(0.3735f, t243, 0.207f*t245);
+	const float n0x_4 = n0x_3 + RNEA_FMA(-0.207f, t246, RNEA_FMA(4.8965888e-12f, t244, n7z_2));
+	const float n0y_4 = n0y_3 + RNEA_FMA(-0.3735f, t246, RNEA_FMA(s7, n7x_2, c7*n7y_2));
+	const float n0z_4 = n0z_3 + t247;
 	tau[12*stride] = n7z_2;
 
 	/* ---- out to link 10 "rh_hipassembly" (fpass) ---- */
@@ -708,42 +679,42 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	all_small &= rneagen_sincosf_known(q10, known, sines + 18, &s10, &c10);
 	const float qd10 = qd[15*stride];
 	const float qdd10 = qdd[15*stride];
-	const float t260 = a0x - t35;
-	const float t261 = a0y - t38;
-	const float t262 = a0z - t41;
-	const float t263 = RNEA_FMA(4.8965888e-12f, t260, -t262);
-	const float a10z = RNEA_FMA(4.8965888e-12f, t262, t260);
-	const float w10x = RNEA_FMA(t188, c10, qd0wy*s10);
-	const float w10y = RNEA_FMA(s10, -t188, qd0wy*c10);
-	const float w10z = t189 + qd10;
-	const float dw10x = RNEA_FMA(qd10, w10y, RNEA_FMA(t190, c10, qdd0wy*s10));
-	const float dw10y = RNEA_FMA(w10x, -qd10, RNEA_FMA(s10, -t190, qdd0wy*c10));
-	const float dw10z = t191 + qdd10;
-	const float a10x = RNEA_FMA(c10, t263, s10*t261);
-	const float a10y = RNEA_FMA(t263, -s10, c10*t261);
-	const float t264 = w10y*w10z;
-	const float t265 = w10z*w10z;
-	const float t266 = w10y*w10y;
-	const float t267 = t265 + t266;
-	const float t268 = t264 - dw10x;
-	const float t269 = w10x*w10z;
-	const float t270 = w10x*w10x;
-	const float t271 = t269 - dw10y;
-	const float t272 = dw10y + t269;
-	const float t273 = w10x*w10y;
-	const float t274 = dw10z + t273;
-	const float f10x = RNEA_FMA(2.93f, a10x, RNEA_FMA(-0.1249059f, t267, 0.4960783f*t272));
-	const float f10y = RNEA_FMA(2.93f, a10y, RNEA_FMA(0.4960783f, t268, 0.1249059f*t274));
-	const float f10z = RNEA_FMA(2.93f, a10z, RNEA_FMA(-0.4960783f, t266 + t270, 0.1249059f*t271));
-	const float t275 = RNEA_FMA(-0.022737818f, t274, RNEA_FMA(4e-05f, t271, RNEA_FMA(-0.13314101f, t264,
-		0.13470101f*dw10x)));
-	const float t276 = RNEA_FMA(5e-05f, t273 - dw10z, RNEA_FMA(0.14417575f, dw10y, 0.12366628f*t269));
-	const float t277 = RNEA_FMA(-0.022737818f, t265 - t270, RNEA_FMA(-4e-05f, dw10x + t264, t276));
-	const float t278 = RNEA_FMA(-5e-05f, t272, RNEA_FMA(0.022737818f, t268, RNEA_FMA(0.011034738f, dw10z,
-		0.0094747385f*t273)));
-	const float n10x = RNEA_FMA(-0.4960783f, a10y, RNEA_FMA(-5e-05f, t266 - t265, t275));
-	const float n10y = RNEA_FMA(-0.1249059f, a10z, 0.4960783f*a10x) + t277;
-	const float n10z = RNEA_FMA(0.1249059f, a10y, RNEA_FMA(-4e-05f, t270 - t266, t278));
+	const float t248 = a0x - t35;
+	const float t249 = a0y - t38;
+	const float t250 = a0z - t41;
+	const float t251 = RNEA_FMA(4.8965888e-12f, t248, -t250);
+	const float a10z = RNEA_FMA(4.8965888e-12f, t250, t248);
+	const float w10x = RNEA_FMA(t179, c10, qd0wy*s10);
+	const float w10y = RNEA_FMA(s10, -t179, qd0wy*c10);
+	const float w10z = t180 + qd10;
+	const float dw10x = RNEA_FMA(qd10, w10y, RNEA_FMA(t181, c10, qdd0wy*s10));
+	const float dw10y = RNEA_FMA(w10x, -qd10, RNEA_FMA(s10, -t181, qdd0wy*c10));
+	const float dw10z = t182 + qdd10;
+	const float a10x = RNEA_FMA(c10, t251, s10*t249);
+	const float a10y = RNEA_FMA(t251, -s10, c10*t249);
+	const float t252 = w10y*w10z;
+	const float t253 = w10z*w10z;
+	const float t254 = w10y*w10y;
+	const float t255 = t253 + t254;
+	const float t256 = dw10x + t252;
+	const float t257 = w10x*w10z;
+	const float t258 = w10x*w10x;
+	const float t259 = t257 - dw10y;
+	const float t260 = w10x*w10y;
+	const float t261 = t260 - dw10z;
+	const float t262 = dw10z + t260;
+	const float f10x = RNEA_FMA(-0.40642598f, t255, 8.81e-05f*t261);
+	const float f10y = RNEA_FMA(-8.81e-05f, t253 + t258, 0.40642598f*t262);
+	const float f10z = RNEA_FMA(8.81e-05f, t256, 0.40642598f*t259);
+	const float t263 = RNEA_FMA(-0.022737818f, t262, RNEA_FMA(4.7048e-05f, t259, RNEA_FMA(0.18947332f, dw10x,
+		0.255026f*t252)));
+	const float t264 = RNEA_FMA(-0.022737818f, t253 - t258, RNEA_FMA(-4.7048e-05f, t256, RNEA_FMA(-0.06555269f,
+		t257, 5.0000002e-05f*t261)));
+	const float t265 = RNEA_FMA(0.022737818f, t252 - dw10x, RNEA_FMA(-0.18947332f, t260, 0.255026f*dw10z));
+	const float t266 = RNEA_FMA(-4.7048e-05f, t258 - t254, RNEA_FMA(-5.0000002e-05f, dw10y + t257, t265));
+	const float n10x = RNEA_FMA(8.81e-05f, a10z, RNEA_FMA(-5.0000002e-05f, t254 - t253, t263));
+	const float n10y = RNEA_FMA(-0.40642598f, a10z, t264);
+	const float n10z = RNEA_FMA(-8.81e-05f, a10x, 0.40642598f*a10y) + t266;
 
 	/* ---- out to link 11 "rh_upperleg" (fpass) ---- */
 	const float q11 = q[17*stride];
@@ -751,126 +722,117 @@ static RNEA_INLINE int hyq_rnea_body(const float *q, const float *qd, const floa
 	all_small &= rneagen_sincosf_known(q11, known, sines + 20, &s11, &c11);
 	const float qd11 = qd[16*stride];
 	const float qdd11 = qdd[16*stride];
-	const float t279 = RNEA_FMA(4.8965888e-12f, w10y, -w10z);
-	const float t280 = RNEA_FMA(4.8965888e-12f, dw10y, -dw10z);
-	const float t281 = RNEA_FMA(-0.08f, t267, a10x);
-	const float t282 = RNEA_FMA(0.08f, t274, a10y);
-	const float t283 = RNEA_FMA(0.08f, t271, a10z);
-	const float t284 = RNEA_FMA(4.8965888e-12f, t282, -t283);
-	const float a11z = RNEA_FMA(4.8965888e-12f, t283, t282);
-	const float w11x = RNEA_FMA(w10x, c11, s11*t279);
-	const float w11y = RNEA_FMA(s11, -w10x, c11*t279);
+	const float t267 = RNEA_FMA(4.8965888e-12f, w10y, -w10z);
+	const float t268 = RNEA_FMA(4.8965888e-12f, dw10y, -dw10z);
+	const float t269 = RNEA_FMA(-0.08f, t255, a10x);
+	const float t270 = RNEA_FMA(0.08f, t262, a10y);
+	const float t271 = RNEA_FMA(0.08f, t259, a10z);
+	const float t272 = RNEA_FMA(4.8965888e-12f, t270, -t271);
+	const float a11z = RNEA_FMA(4.8965888e-12f, t271, t270);
+	const float w11x = RNEA_FMA(w10x, c11, s11*t267);
+	const float w11y = RNEA_FMA(s11, -w10x, c11*t267);
 	const float w11z = qd11 + RNEA_FMA(4.8965888e-12f, w10z, w10y);
-	const float dw11x = RNEA_FMA(qd11, w11y, RNEA_FMA(dw10x, c11, s11*t280));
-	const float dw11y = RNEA_FMA(w11x, -qd11, RNEA_FMA(s11, -dw10x, c11*t280));
+	const float dw11x = RNEA_FMA(qd11, w11y, RNEA_FMA(dw10x, c11, s11*t268));
+	const float dw11y = RNEA_FMA(w11x, -qd11, RNEA_FMA(s11, -dw10x, c11*t268));
 	const float dw11z = qdd11 + RNEA_FMA(4.8965888e-12f, dw10z, dw10y);
-	const float a11x = RNEA_FMA(c11, t281, s11*t284);
-	const float a11y = RNEA_FMA(t281, -s11, c11*t284);
-	const float t285 = w11y*w11z;
-	const float t286 = w11z*w11z;
-	const float t287 = w11y*w11y;
-	const float t288 = t286 + t287;
-	const float t289 = dw11x + t285;
-	const float t290 = w11x*w11z;
-	const float t291 = w11x*w11x;
-	const float t292 = t290 - dw11y;
-	const float t293 = w11x*w11y;
-	const float t294 = t293 - dw11z;
-	const float t295 = dw11z + t293;
-	const float f11x = RNEA_FMA(2.638f, a11x, RNEA_FMA(-0.39765212f, t288, 0.0692475f*t294));
-	const float f11y = RNEA_FMA(2.638f, a11y, RNEA_FMA(-0.0692475f, t286 + t291, 0.39765212f*t295));
-	const float f11z = RNEA_FMA(2.638f, a11z, RNEA_FMA(0.0692475f, t289, 0.39765212f*t292));
-	const float t296 = RNEA_FMA(-0.0001f, t295, RNEA_FMA(0.007418368f, t292, RNEA_FMA(0.005497747f, dw11x,
-		0.0027377468f*t285)));
-	const float t297 = RNEA_FMA(-0.007418368f, t289, RNEA_FMA(-2e-05f, t294, RNEA_FMA(-0.08437208f, t290,
-		0.08713208f*dw11y)));
-	const float t298 = RNEA_FMA(0.0001f, t285 - dw11x, RNEA_FMA(0.08986983f, dw11z, 0.081634335f*t293));
-	const float t299 = RNEA_FMA(-0.007418368f, t291 - t287, RNEA_FMA(2e-05f, dw11y + t290, t298));
-	const float n11x = RNEA_FMA(0.0692475f, a11z, RNEA_FMA(2e-05f, t287 - t286, t296));
-	const float n11y = RNEA_FMA(-0.39765212f, a11z, RNEA_FMA(-0.0001f, t286 - t291, t297));
-	const float n11z = RNEA_FMA(-0.0692475f, a11x, 0.39765212f*a11y) + t299;
+	const float a11x = RNEA_FMA(c11, t269, s11*t272);
+	const float a11y = RNEA_FMA(t269, -s11, c11*t272);
+	const float t273 = w11y*w11z;
+	const float t274 = w11z*w11z;
+	const float t275 = w11y*w11y;
+	const float t276 = t274 + t275;
+	const float t277 = dw11x + t273;
+	const float t278 = w11x*w11z;
+	const float t279 = w11x*w11x;
+	const float t280 = t278 - dw11y;
+	const float t281 = w11x*w11y;
+	const float t282 = t281 - dw11z;
+	const float t283 = dw11z + t281;
+	const float f11x = RNEA_FMA(-0.7060025f, t276, 0.0692475f*t282);
+	const float f11y = RNEA_FMA(-0.0692475f, t274 + t279, 0.7060025f*t283);
+	const float f11z = RNEA_FMA(0.0692475f, t277, 0.7060025f*t280);
+	const float t284 = RNEA_FMA(-0.000130835f, t283, RNEA_FMA(0.007418368f, t280, RNEA_FMA(-0.18955696f, dw11x,
+		0.19779246f*t273)));
+	const float t285 = RNEA_FMA(0.000130835f, t274 - t279, RNEA_FMA(0.007418368f, t277, RNEA_FMA(2e-05f, t282,
+		0.3873494f*t278)));
+	const float t286 = RNEA_FMA(0.000130835f, t273 - dw11x, RNEA_FMA(0.19779246f, dw11z, 0.18955696f*t281));
+	const float t287 = RNEA_FMA(-0.007418368f, t279 - t275, RNEA_FMA(2e-05f, dw11y + t278, t286));
+	const float n11x = RNEA_FMA(0.0692475f, a11z, RNEA_FMA(2e-05f, t275 - t274, t284));
+	const float n11z = RNEA_FMA(-0.0692475f, a11x, 0.7060025f*a11y) + t287;
 
 	/* ---- out to link 12 "rh_lowerleg" (fpass) ---- */
 	const float q12 = q[18*stride];
 	float s12, c12;
 	all_small &= rneagen_sincosf_known(q12, known, sines + 22, &s12, &c12);
+	const float sa12 = RNEA_FMA(-0.00031897824f, c12, 0.99999994f*s12);
+	const float ca12 = RNEA_FMA(0.99999994f, c12, 0.00031897824f*s12);
 	const float qd12 = qd[17*stride];
 	const float qdd12 = qdd[17*stride];
-	const float t300 = RNEA_FMA(-0.35f, t288, a11x);
-	const float t301 = RNEA_FMA(0.35f, t295, a11y);
-	const float a12z = RNEA_FMA(0.35f, t292, a11z);
-	const float w12x = RNEA_FMA(w11x, c12, w11y*s12);
-	const float w12y = RNEA_FMA(s12, -w11x, w11y*c12);
+	const float a12z = RNEA_FMA(0.35f, t280, a11z);
+	const float w12x = RNEA_FMA(w11x, ca12, w11y*sa12);
+	const float w12y = RNEA_FMA(sa12, -w11x, w11y*ca12);
 	const float w12z = w11z + qd12;
-	const float dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw11x, c12, dw11y*s12));
-	const float dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw11x, dw11y*c12));
+	const float dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw11x, ca12, dw11y*sa12));
+	const float dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(sa12, -dw11x, dw11y*ca12));
 	const float dw12z = dw11z + qdd12;
-	const float a12x = RNEA_FMA(c12, t300, s12*t301);
-	const float a12y = RNEA_FMA(t300, -s12, c12*t301);
-	const float t302 = w12y*w12z;
-	const float t303 = w12z*w12z;
-	const float t304 = w12y*w12y;
-	const float t305 = t302 - dw12x;
-	const float t306 = dw12x + t302;
-	const float t307 = w12x*w12z;
-	const float t308 = w12x*w12x;
-	const float t309 = t307 - dw12y;
-	const float t310 = dw12y + t307;
-	const float t311 = w12x*w12y;
-	const float t312 = t311 - dw12z;
-	const float t313 = dw12z + t311;
-	const float t314 = RNEA_FMA(8.81e-05f, t310, -RNEA_FMA(3.524e-05f, t312, 0.110477746f*(t303 + t304)));
-	const float f12x = RNEA_FMA(0.881001f, a12x, t314);
-	const float f12y = RNEA_FMA(0.881001f, a12y, RNEA_FMA(8.81e-05f, t305, RNEA_FMA(3.524e-05f, t303 + t308,
-		0.110477746f*t313)));
-	const float f12z = RNEA_FMA(0.881001f, a12z, RNEA_FMA(-8.81e-05f, t304 + t308, RNEA_FMA(-3.524e-05f, t306,
-		0.110477746f*t309)));
-	const float t315 = RNEA_FMA(-2.04774e-06f, t313, RNEA_FMA(5.4580905e-05f, t309, RNEA_FMA(-0.0002300074f, t302,
-		0.00047101022f*dw12x)));
-	const float t316 = RNEA_FMA(-5.4580905e-05f, t306, RNEA_FMA(9.96476e-07f, t312, RNEA_FMA(-0.025713976f, t307,
-		0.026414994f*dw12y)));
-	const float t317 = RNEA_FMA(-9.96476e-07f, t310, RNEA_FMA(2.04774e-06f, t305, RNEA_FMA(0.026184987f, dw12z,
-		0.025943983f*t311)));
-	const float n12x = RNEA_FMA(-9.96476e-07f, t304 - t303, t315) - RNEA_FMA(3.524e-05f, a12z, 8.81e-05f*a12y);
-	const float n12y = RNEA_FMA(-0.110477746f, a12z, 8.81e-05f*a12x) + RNEA_FMA(-2.04774e-06f, t303 - t308, t316);
-	const float n12z = RNEA_FMA(0.110477746f, a12y, 3.524e-05f*a12x) + RNEA_FMA(-5.4580905e-05f, t308 - t304, t317);
+	const float a12y = RNEA_FMA(RNEA_FMA(-0.35f, t276, a11x), -sa12, ca12*RNEA_FMA(0.35f, t283, a11y));
+	const float t288 = w12y*w12z;
+	const float t289 = w12z*w12z;
+	const float t290 = w12y*w12y;
+	const float t291 = w12x*w12z;
+	const float t292 = w12x*w12x;
+	const float t293 = t291 - dw12y;
+	const float t294 = w12x*w12y;
+	const float t295 = dw12z + t294;
+	const float t296 = 0.11047775f*(t289 + t290);
+	const float f12y = 0.11047775f*t295;
+	const float t297 = RNEA_FMA(-2.047422e-06f, t295, RNEA_FMA(6.285646e-05f, t293, RNEA_FMA(-0.025943909f, dw12x,
+		0.026184987f*t288)));
+	const float n12x = RNEA_FMA(-9.971292e-07f, t290 - t289, t297);
+	const float t298 = RNEA_FMA(-6.285646e-05f, dw12x + t288, RNEA_FMA(-0.052128896f, t291, 9.971292e-07f*(t294
+		- dw12z)));
+	const float t299 = RNEA_FMA(2.047422e-06f, t288 - dw12x, RNEA_FMA(0.026184987f, dw12z, 0.025943909f*t294));
+	const float n12y = RNEA_FMA(-0.11047775f, a12z, RNEA_FMA(-2.047422e-06f, t289 - t292, t298));
+	const float n12z = RNEA_FMA(0.11047775f, a12y, RNEA_FMA(-6.285646e-05f, t292 - t290, RNEA_FMA(-9.971292e-07f,
+		dw12y + t291, t299)));
 
 	/* ---- back from link 12 "rh_lowerleg" to link 11 (bpass): torque of "rh_kfe_joint" ---- */
-	const float t318 = RNEA_FMA(s12, f12x, c12*f12y);
-	const float f11x_2 = f11x + RNEA_FMA(-s12, f12y, c12*f12x);
-	const float f11y_2 = f11y + t318;
-	const float f11z_2 = f11z + f12z;
-	const float n11x_2 = n11x + RNEA_FMA(-s12, n12y, c12*n12x);
-	const float n11y_2 = n11y + RNEA_FMA(-0.35f, f12z, RNEA_FMA(s12, n12x, c12*n12y));
-	const float n11z_2 = n11z + RNEA_FMA(0.35f, t318, n12z);
+	const float t300 = RNEA_FMA(-sa12, t296, ca12*f12y);
+	const float f11x_2 = f11x - RNEA_FMA(ca12, t296, sa12*f12y);
+	const float f11y_2 = f11y + t300;
+	const float f11z_2 = RNEA_FMA(0.11047775f, t293, f11z);
+	const float n11x_2 = n11x + RNEA_FMA(-sa12, n12y, ca12*n12x);
+	const float n11y = RNEA_FMA(-0.038667213f, t293, RNEA_FMA(sa12, n12x, ca12*n12y)) - RNEA_FMA(0.7060025f, a11z,
+		t285);
+	const float n11z_2 = n11z + RNEA_FMA(0.35f, t300, n12z);
 	tau[17*stride] = n12z;
 
 	/* ---- back from link 11 "rh_upperleg" to link 10 (bpass): torque of "rh_hfe_joint" ---- */
-	const float t319 = RNEA_FMA(s11, f11x_2, c11*f11y_2);
-	const float t320 = RNEA_FMA(s11, n11x_2, c11*n11y_2);
-	const float t321 = RNEA_FMA(4.8965888e-12f, t319, f11z_2);
-	const float t322 = RNEA_FMA(4.8965888e-12f, f11z_2, -t319);
+	const float t301 = RNEA_FMA(s11, f11x_2, c11*f11y_2);
+	const float t302 = RNEA_FMA(s11, n11x_2, c11*n11y);
+	const float t303 = RNEA_FMA(4.8965888e-12f, t301, f11z_2);
+	const float t304 = RNEA_FMA(4.8965888e-12f, f11z_2, -t301);
 	const float f10x_2 = f10x + RNEA_FMA(-s11, f11y_2, c11*f11x_2);
-	const float f10y_2 = f10y + t321;
-	const float f10z_2 = f10z + t322;
-	const float n10x_2 = n10x + RNEA_FMA(-s11, n11y_2, c11*n11x_2);
-	const float n10y_2 = n10y + RNEA_FMA(-0.08f, t322, RNEA_FMA(4.8965888e-12f, t320, n11z_2));
-	const float n10z_2 = n10z + RNEA_FMA(0.08f, t321, RNEA_FMA(4.8965888e-12f, n11z_2, -t320));
+	const float f10y_2 = f10y + t303;
+	const float f10z_2 = f10z + t304;
+	const float n10x_2 = n10x + RNEA_FMA(-s11, n11y, c11*n11x_2);
+	const float n10y_2 = n10y + RNEA_FMA(-0.08f, t304, RNEA_FMA(4.8965888e-12f, t302, n11z_2));
+	const float n10z_2 = n10z + RNEA_FMA(0.08f, t303, RNEA_FMA(4.8965888e-12f, n11z_2, -t302));
 	tau[16*stride] = n11z_2;
 
 	/* ---- back from link 10 "rh_hipassembly" to link 0 (bpass): torque of "rh_haa_joint" ---- */
-	const float t323 = RNEA_FMA(-s10, f10y_2, c10*f10x_2);
-	const float t324 = RNEA_FMA(s10, f10x_2, c10*f10y_2);
-	const float t325 = RNEA_FMA(-s10, n10y_2, c10*n10x_2);
-	const float t326 = RNEA_FMA(4.8965888e-12f, t323, f10z_2);
-	const float t327 = RNEA_FMA(4.8965888e-12f, f10z_2, -t323);
-	const float f0x_5 = f0x_4 + t326;
-	const float f0y_5 = f0y_4 + t324;
-	const float f0z_5 = f0z_4 + t327;
-	const float t328 = RNEA_FMA(4.8965888e-12f, n10z_2, -t325) + RNEA_FMA(-0.3735f, t324, 0.207f*t326);
-	const float n0x_5 = n0x_4 + RNEA_FMA(-0.207f, t327, RNEA_FMA(4.8965888e-12f, t325, n10z_2));
-	const float n0y_5 = n0y_4 + RNEA_FMA(0.3735f, t327, RNEA_FMA(s10, n10x_2, c10*n10y_2));
-	const float n0z_5 = n0z_4 + t328;
+	const float t305 = RNEA_FMA(-s10, f10y_2, c10*f10x_2);
+	const float t306 = RNEA_FMA(s10, f10x_2, c10*f10y_2);
+	const float t307 = RNEA_FMA(-s10, n10y_2, c10*n10x_2);
+	const float t308 = RNEA_FMA(4.8965888e-12f, t305, f10z_2);
+	const float t309 = RNEA_FMA(4.8965888e-12f, f10z_2, -t305);
+	const float f0x_5 = f0x_4 + t308;
+	const float f0y_5 = f0y_4 + t306;
+	const float f0z_5 = f0z_4 + t309;
+	const float t310 = RNEA_FMA(4.8965888e-12f, n10z_2, -t307) + RNEA_FMA(-0.3735f, t306, 0.207f*t308);
+	const float n0x_5 = n0x_4 + RNEA_FMA(-0.207f, t309, RNEA_FMA(4.8965888e-12f, t307, n10z_2));
+	const float n0y_5 = n0y_4 + RNEA_FMA(0.3735f, t309, RNEA_FMA(s10, n10x_2, c10*n10y_2));
+	const float n0z_5 = n0z_4 + t310;
 	tau[15*stride] = n10z_2;
 
 	/* ---- back from link 0 "base_link" to the world (bpass) ---- */
@@ -2390,8 +2352,8 @@ RNEA_INFO const char hyq_info[] =
 	"input qd 18 f32 sample joint_velocity\n"
 	"input qdd 18 f32 sample joint_acceleration\n"
 	"output tau 18 f32 sample joint_torque\n"
-	"operations 328 201 106 93 575 12\n"
-	"limbs 4 2 3456 1024\n"
+	"operations 316 177 106 88 507 12\n"
+	"limbs 4 2 3712 1024\n"
 	"function fpass\n"
 	"input q 19 f32 sample joint_position\n"
 	"input qd 18 f32 sample joint_velocity\n"
@@ -2539,25 +2501,14 @@ static RNEA_INLINE void hyq_rnea_limb0(const float *q, const float *qd, const fl
 	const float t7 = qd0wz*qd0wz;
 	const float t8 = qd0wy*qd0wy;
 	const float t9 = t7 + t8;
-	const float t10 = t6 - qdd0wx;
 	const float t11 = qdd0wx + t6;
 	const float t12 = qd0wx*qd0wz;
 	const float t13 = qd0wx*qd0wx;
 	const float t14 = t7 + t13;
 	const float t15 = t12 - qdd0wy;
-	const float t16 = qdd0wy + t12;
 	const float t17 = qd0wx*qd0wy;
 	const float t18 = t17 - qdd0wz;
 	const float t19 = qdd0wz + t17;
-	const float t20 = RNEA_FMA(-0.21587546f, t19, RNEA_FMA(0.04502036f, t15, RNEA_FMA(1.6017306f, qdd0wx,
-		0.72112f*t6)));
-	const float t21 = RNEA_FMA(-0.04502036f, t11, RNEA_FMA(0.009153269f, t18, RNEA_FMA(-7.8146267f, t12,
-		8.695237f*qdd0wy)));
-	const float t22 = RNEA_FMA(-0.009153269f, t16, RNEA_FMA(0.21587546f, t10, RNEA_FMA(9.416357f, qdd0wz,
-		7.093507f*t17)));
-	const float n0x = RNEA_FMA(-0.22001559f, a0y, 1.3106418f*a0z) + RNEA_FMA(-0.009153269f, t8 - t7, t20);
-	const float n0y = RNEA_FMA(-3.4189837f, a0z, 0.22001559f*a0x) + RNEA_FMA(-0.21587546f, t7 - t13, t21);
-	const float n0z = RNEA_FMA(-1.3106418f, a0x, 3.4189837f*a0y) + RNEA_FMA(-0.04502036f, t13 - t8, t22);
 	float s1, c1;
 	all_small &= rneagen_sincosf_known(q1, known, sines, &s1, &c1);
 	const float t23 = 4.8965888e-12f*qd0wx;
@@ -2597,25 +2548,25 @@ static RNEA_INLINE void hyq_rnea_limb0(const float *q, const float *qd, const fl
 	const float t48 = w1z*w1z;
 	const float t49 = w1y*w1y;
 	const float t50 = t48 + t49;
-	const float t51 = t47 - dw1x;
+	const float t51 = dw1x + t47;
 	const float t52 = w1x*w1z;
 	const float t53 = w1x*w1x;
 	const float t54 = t52 - dw1y;
-	const float t55 = dw1y + t52;
-	const float t56 = w1x*w1y;
-	const float t57 = dw1z + t56;
-	const float f1x = RNEA_FMA(2.93f, a1x, RNEA_FMA(-0.1249059f, t50, 0.4960783f*t55));
-	const float f1y = RNEA_FMA(2.93f, a1y, RNEA_FMA(0.4960783f, t51, 0.1249059f*t57));
-	const float f1z = RNEA_FMA(2.93f, a1z, RNEA_FMA(-0.4960783f, t49 + t53, 0.1249059f*t54));
-	const float t58 = RNEA_FMA(-0.022737818f, t57, RNEA_FMA(4e-05f, t54, RNEA_FMA(-0.13314101f, t47,
-		0.13470101f*dw1x)));
-	const float t59 = RNEA_FMA(5e-05f, t56 - dw1z, RNEA_FMA(0.14417575f, dw1y, 0.12366628f*t52));
-	const float t60 = RNEA_FMA(-0.022737818f, t48 - t53, RNEA_FMA(-4e-05f, dw1x + t47, t59));
-	const float t61 = RNEA_FMA(-5e-05f, t55, RNEA_FMA(0.022737818f, t51, RNEA_FMA(0.011034738f, dw1z,
-		0.0094747385f*t56)));
-	const float n1x = RNEA_FMA(-0.4960783f, a1y, RNEA_FMA(-5e-05f, t49 - t48, t58));
-	const float n1y = RNEA_FMA(-0.1249059f, a1z, 0.4960783f*a1x) + t60;
-	const float n1z = RNEA_FMA(0.1249059f, a1y, RNEA_FMA(-4e-05f, t53 - t49, t61));
+	const float t55 = w1x*w1y;
+	const float t56 = t55 - dw1z;
+	const float t57 = dw1z + t55;
+	const float f1x = RNEA_FMA(-0.40642598f, t50, 8.81e-05f*t56);
+	const float f1y = RNEA_FMA(-8.81e-05f, t48 + t53, 0.40642598f*t57);
+	const float f1z = RNEA_FMA(8.81e-05f, t51, 0.40642598f*t54);
+	const float t58 = RNEA_FMA(-0.022737818f, t57, RNEA_FMA(4.7048e-05f, t54, RNEA_FMA(0.18947332f, dw1x,
+		0.255026f*t47)));
+	const float t59 = RNEA_FMA(-0.022737818f, t48 - t53, RNEA_FMA(-4.7048e-05f, t51, RNEA_FMA(-0.06555269f, t52,
+		5e-05f*t56)));
+	const float t60 = RNEA_FMA(0.022737818f, t47 - dw1x, RNEA_FMA(-0.18947332f, t55, 0.255026f*dw1z));
+	const float t61 = RNEA_FMA(-4.7048e-05f, t53 - t49, RNEA_FMA(-5e-05f, dw1y + t52, t60));
+	const float n1x = RNEA_FMA(8.81e-05f, a1z, RNEA_FMA(-5e-05f, t49 - t48, t58));
+	const float n1y = RNEA_FMA(-0.40642598f, a1z, t59);
+	const float n1z = RNEA_FMA(-8.81e-05f, a1x, 0.40642598f*a1y) + t61;
 	float s2, c2;
 	all_small &= rneagen_sincosf_known(q2, known, sines + 2, &s2, &c2);
 	const float t62 = RNEA_FMA(4.8965888e-12f, w1y, w1z);
@@ -2644,103 +2595,122 @@ static RNEA_INLINE void hyq_rnea_limb0(const float *q, const float *qd, const fl
 	const float t76 = w2x*w2y;
 	const float t77 = t76 - dw2z;
 	const float t78 = dw2z + t76;
-	const float f2x = RNEA_FMA(2.638f, a2x, -RNEA_FMA(0.0692475f, t77, 0.39765212f*t71));
-	const float f2y = RNEA_FMA(2.638f, a2y, RNEA_FMA(0.0692475f, t69 + t74, 0.39765212f*t78));
-	const float f2z = RNEA_FMA(2.638f, a2z, RNEA_FMA(-0.0692475f, t72, 0.39765212f*t75));
-	const float t79 = RNEA_FMA(0.0001f, t78, RNEA_FMA(-0.007418368f, t75, RNEA_FMA(0.005497747f, dw2x,
-		0.0027377468f*t68)));
-	const float t80 = RNEA_FMA(0.007418368f, t72, RNEA_FMA(-2e-05f, t77, RNEA_FMA(-0.08437208f, t73,
-		0.08713208f*dw2y)));
-	const float t81 = RNEA_FMA(-0.0001f, t68 - dw2x, RNEA_FMA(0.08986983f, dw2z, 0.081634335f*t76));
+	const float f2y = RNEA_FMA(0.0692475f, t69 + t74, 0.7060025f*t78);
+	const float f2z = RNEA_FMA(-0.0692475f, t72, 0.7060025f*t75);
+	const float t79 = RNEA_FMA(0.000130835f, t78, RNEA_FMA(-0.007418368f, t75, RNEA_FMA(-0.18955696f, dw2x,
+		0.19779246f*t68)));
+	const float t80 = RNEA_FMA(0.007418368f, t72, -RNEA_FMA(2e-05f, t77, 0.3873494f*t73));
+	const float t81 = RNEA_FMA(-0.000130835f, t68 - dw2x, RNEA_FMA(0.19779246f, dw2z, 0.18955696f*t76));
 	const float t82 = RNEA_FMA(0.007418368f, t74 - t70, RNEA_FMA(2e-05f, dw2y + t73, t81));
 	const float n2x = RNEA_FMA(-0.0692475f, a2z, RNEA_FMA(2e-05f, t70 - t69, t79));
-	const float n2y = RNEA_FMA(-0.39765212f, a2z, RNEA_FMA(0.0001f, t69 - t74, t80));
-	const float n2z = RNEA_FMA(0.39765212f, a2y, 0.0692475f*a2x) + t82;
+	const float n2y = RNEA_FMA(-0.7060025f, a2z, RNEA_FMA(0.000130835f, t69 - t74, t80));
+	const float n2z = RNEA_FMA(0.7060025f, a2y, 0.0692475f*a2x) + t82;
 	float s3, c3;
 	all_small &= rneagen_sincosf_known(q3, known, sines + 4, &s3, &c3);
-	const float t83 = RNEA_FMA(-0.35f, t71, a2x);
-	const float t84 = RNEA_FMA(0.35f, t78, a2y);
+	const float sa3 = RNEA_FMA(0.99999994f, s3, 0.00031897824f*c3);
+	const float ca3 = RNEA_FMA(-0.00031897824f, s3, 0.99999994f*c3);
 	const float a3z = RNEA_FMA(0.35f, t75, a2z);
-	const float w3x = RNEA_FMA(w2x, c3, w2y*s3);
-	const float w3y = RNEA_FMA(s3, -w2x, w2y*c3);
+	const float w3x = RNEA_FMA(w2x, ca3, w2y*sa3);
+	const float w3y = RNEA_FMA(sa3, -w2x, w2y*ca3);
 	const float w3z = w2z + qd3;
-	const float dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(dw2x, c3, dw2y*s3));
-	const float dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(s3, -dw2x, dw2y*c3));
+	const float dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(dw2x, ca3, dw2y*sa3));
+	const float dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(sa3, -dw2x, dw2y*ca3));
 	const float dw3z = dw2z + qdd3;
-	const float a3x = RNEA_FMA(c3, t83, s3*t84);
-	const float a3y = RNEA_FMA(t83, -s3, c3*t84);
-	const float t85 = w3y*w3z;
-	const float t86 = w3z*w3z;
-	const float t87 = w3y*w3y;
-	const float t88 = t85 - dw3x;
-	const float t89 = dw3x + t85;
-	const float t90 = w3x*w3z;
-	const float t91 = w3x*w3x;
-	const float t92 = t90 - dw3y;
-	const float t93 = dw3y + t90;
-	const float t94 = w3x*w3y;
-	const float t95 = t94 - dw3z;
-	const float t96 = dw3z + t94;
-	const float f3x = RNEA_FMA(0.881001f, a3x, RNEA_FMA(-8.81e-05f, t93, RNEA_FMA(-0.110477746f, t86 + t87,
-		3.524e-05f*t95)));
-	const float f3y = RNEA_FMA(0.881001f, a3y, RNEA_FMA(-8.81e-05f, t88, RNEA_FMA(-3.524e-05f, t86 + t91,
-		0.110477746f*t96)));
-	const float f3z = RNEA_FMA(0.881001f, a3z, RNEA_FMA(8.81e-05f, t87 + t91, RNEA_FMA(3.524e-05f, t89,
-		0.110477746f*t92)));
-	const float t97 = RNEA_FMA(4.774e-08f, t96, RNEA_FMA(-5.6580902e-05f, t92, RNEA_FMA(-0.0002300074f, t85,
-		0.00047101022f*dw3x)));
-	const float t98 = RNEA_FMA(5.6580902e-05f, t89, RNEA_FMA(9.96476e-07f, t95, RNEA_FMA(-0.025713976f, t90,
-		0.026414994f*dw3y)));
-	const float t99 = RNEA_FMA(-9.96476e-07f, t93, RNEA_FMA(-4.774e-08f, t88, RNEA_FMA(0.026184987f, dw3z,
-		0.025943983f*t94)));
-	const float n3x = RNEA_FMA(3.524e-05f, a3z, 8.81e-05f*a3y) + RNEA_FMA(-9.96476e-07f, t87 - t86, t97);
-	const float n3y = RNEA_FMA(4.774e-08f, t86 - t91, t98) - RNEA_FMA(8.81e-05f, a3x, 0.110477746f*a3z);
-	const float n3z = RNEA_FMA(-3.524e-05f, a3x, 0.110477746f*a3y) + RNEA_FMA(5.6580902e-05f, t91 - t87, t99);
-	const float t100 = RNEA_FMA(s3, f3x, c3*f3y);
-	const float f2x_2 = f2x + RNEA_FMA(-s3, f3y, c3*f3x);
-	const float f2y_2 = f2y + t100;
-	const float f2z_2 = f2z + f3z;
-	const float n2x_2 = n2x + RNEA_FMA(-s3, n3y, c3*n3x);
-	const float n2y_2 = n2y + RNEA_FMA(-0.35f, f3z, RNEA_FMA(s3, n3x, c3*n3y));
-	const float n2z_2 = n2z + RNEA_FMA(0.35f, t100, n3z);
-	const float t101 = RNEA_FMA(s2, f2x_2, c2*f2y_2);
-	const float t102 = RNEA_FMA(s2, n2x_2, c2*n2y_2);
-	const float t103 = RNEA_FMA(4.8965888e-12f, t101, -f2z_2);
-	const float t104 = RNEA_FMA(4.8965888e-12f, f2z_2, t101);
-	const float f1x_2 = f1x + RNEA_FMA(-s2, f2y_2, c2*f2x_2);
-	const float f1y_2 = f1y + t103;
-	const float f1z_2 = f1z + t104;
+	const float a3y = RNEA_FMA(RNEA_FMA(-0.35f, t71, a2x), -sa3, ca3*RNEA_FMA(0.35f, t78, a2y));
+	const float t83 = w3y*w3z;
+	const float t84 = w3z*w3z;
+	const float t85 = w3y*w3y;
+	const float t86 = w3x*w3z;
+	const float t87 = w3x*w3x;
+	const float t88 = t86 - dw3y;
+	const float t89 = w3x*w3y;
+	const float t90 = dw3z + t89;
+	const float t91 = 0.11047775f*(t84 + t85);
+	const float f3y = 0.11047775f*t90;
+	const float t92 = RNEA_FMA(4.7422144e-08f, t90, RNEA_FMA(-6.485646e-05f, t88, RNEA_FMA(-0.025943907f, dw3x,
+		0.026184987f*t83)));
+	const float n3x = RNEA_FMA(-9.964912e-07f, t85 - t84, t92);
+	const float t93 = RNEA_FMA(6.485646e-05f, dw3x + t83, RNEA_FMA(-0.052128892f, t86, 9.964912e-07f*(t89 - dw3z)));
+	const float t94 = RNEA_FMA(-4.7422144e-08f, t83 - dw3x, RNEA_FMA(0.026184987f, dw3z, 0.025943907f*t89));
+	const float n3y = RNEA_FMA(-0.11047775f, a3z, RNEA_FMA(4.7422144e-08f, t84 - t87, t93));
+	const float n3z = RNEA_FMA(0.11047775f, a3y, RNEA_FMA(6.485646e-05f, t87 - t85, RNEA_FMA(-9.964912e-07f, dw3y
+		+ t86, t94)));
+	const float t95 = RNEA_FMA(-sa3, t91, ca3*f3y);
+	const float t96 = RNEA_FMA(0.0692475f, t77, 0.7060025f*t71) + RNEA_FMA(ca3, t91, sa3*f3y);
+	const float f2y_2 = f2y + t95;
+	const float f2z_2 = RNEA_FMA(0.11047775f, t88, f2z);
+	const float n2x_2 = n2x + RNEA_FMA(-sa3, n3y, ca3*n3x);
+	const float n2y_2 = n2y + RNEA_FMA(-0.038667213f, t88, RNEA_FMA(sa3, n3x, ca3*n3y));
+	const float n2z_2 = n2z + RNEA_FMA(0.35f, t95, n3z);
+	const float t97 = RNEA_FMA(-s2, t96, c2*f2y_2);
+	const float t98 = RNEA_FMA(s2, n2x_2, c2*n2y_2);
+	const float t99 = RNEA_FMA(4.8965888e-12f, t97, -f2z_2);
+	const float t100 = RNEA_FMA(4.8965888e-12f, f2z_2, t97);
+	const float f1x_2 = f1x - RNEA_FMA(c2, t96, s2*f2y_2);
+	const float f1y_2 = f1y + t99;
+	const float f1z_2 = f1z + t100;
 	const float n1x_2 = n1x + RNEA_FMA(-s2, n2y_2, c2*n2x_2);
-	const float n1y_2 = n1y + RNEA_FMA(-0.08f, t104, RNEA_FMA(4.8965888e-12f, t102, -n2z_2));
-	const float n1z_2 = n1z + RNEA_FMA(0.08f, t103, RNEA_FMA(4.8965888e-12f, n2z_2, t102));
-	const float t105 = RNEA_FMA(f1y_2, -s1, c1*f1x_2);
-	const float t106 = RNEA_FMA(s1, f1x_2, c1*f1y_2);
-	const float t107 = RNEA_FMA(n1y_2, -s1, c1*n1x_2);
-	const float t108 = RNEA_FMA(s1, n1x_2, c1*n1y_2);
-	const float t109 = RNEA_FMA(-4.8965888e-12f, t105, 2.0682311e-13f*t106) - f1z_2;
-	across[step] = t109;
-	const float t110 = RNEA_FMA(2.0682311e-13f, f1z_2, RNEA_FMA(1.0127277e-24f, t105, t106));
-	across[2*step] = t110;
-	const float t111 = RNEA_FMA(4.8965888e-12f, f1z_2, -t105);
-	across[3*step] = t111;
-	const float t112 = RNEA_FMA(4.8965888e-12f, n1z_2, -t107) - RNEA_FMA(0.3735f, t110, 0.207f*t109);
-	const float n0x_2 = n0x + RNEA_FMA(0.207f, t111, RNEA_FMA(-4.8965888e-12f, t107, 2.0682311e-13f*t108) - n1z_2);
-	across[4*step] = n0x_2;
-	const float n0y_2 = n0y - RNEA_FMA(0.3735f, t111, RNEA_FMA(2.0682311e-13f, n1z_2, RNEA_FMA(1.0127277e-24f, t107,
-		t108)));
-	across[5*step] = n0y_2;
-	const float n0z_2 = n0z + t112;
-	tau[6*stride] = n1z_2;
+	const float n1y_2 = n1y + RNEA_FMA(-0.08f, t100, RNEA_FMA(4.8965888e-12f, t98, -n2z_2));
+	const float n1z_2 = n1z + RNEA_FMA(0.08f, t99, RNEA_FMA(4.8965888e-12f, n2z_2, t98));
+	const float t101 = RNEA_FMA(f1y_2, -s1, c1*f1x_2);
+	const float t102 = RNEA_FMA(s1, f1x_2, c1*f1y_2);
+	const float t103 = RNEA_FMA(n1y_2, -s1, c1*n1x_2);
+	const float t104 = RNEA_FMA(s1, n1x_2, c1*n1y_2);
+	const float t105 = RNEA_FMA(-4.8965888e-12f, t101, 2.0682311e-13f*t102) - f1z_2;
+	across[step] = t105;
+	const float t106 = RNEA_FMA(2.0682311e-13f, f1z_2, RNEA_FMA(1.0127277e-24f, t101, t102));
+	across[2*step] = t106;
+	const float t108 = RNEA_FMA(4.8965888e-12f, n1z_2, -t103) - RNEA_FMA(0.3735f, t106, 0.207f*t105);
+	across[3*step] = t108;
 	RNEA_JOIN();
+	const float f0z = RNEA_FMA(86.774f, a0z, RNEA_FMA(-0.22001559f, t8 + t13, RNEA_FMA(1.3106418f, t11,
+		3.4189837f*t15)));
+	const float t20 = RNEA_FMA(-0.21587546f, t19, RNEA_FMA(0.04502036f, t15, RNEA_FMA(2.7070634f, qdd0wx,
+		1.826453f*t6)));
+	const float n0x = RNEA_FMA(-0.22001559f, a0y, 1.3106418f*a0z) + RNEA_FMA(-0.009153269f, t8 - t7, t20);
 	tau[8*stride] = n3z;
 	tau[7*stride] = n2z_2;
-	const float t187 = across[8*step];
-	const float n0z_3 = n0z_2 + t187;
-	const float t259 = across[17*step];
-	const float n0z_4 = n0z_3 + t259;
-	const float t328 = across[26*step];
-	const float n0z_5 = n0z_4 + t328;
-	tau[5*stride] = n0z_5;
+	const float t107 = RNEA_FMA(4.8965888e-12f, f1z_2, -t101);
+	const float f0z_2 = f0z + t107;
+	const float n0x_2 = n0x + RNEA_FMA(0.207f, t107, RNEA_FMA(-4.8965888e-12f, t103, 2.0682311e-13f*t104) - n1z_2);
+	const float n0y = across[0];
+	const float n0y_2 = n0y - RNEA_FMA(0.3735f, t107, RNEA_FMA(2.0682311e-13f, n1z_2, RNEA_FMA(1.0127277e-24f, t103,
+		t104)));
+	tau[6*stride] = n1z_2;
+	const float f4z_2 = across[4*step];
+	const float t171 = across[6*step];
+	const float t177 = RNEA_FMA(4.8965888e-12f, f4z_2, -t171);
+	const float f0z_3 = f0z_2 + t177;
+	const float t173 = across[7*step];
+	const float t174 = across[8*step];
+	const float n4z_2 = across[5*step];
+	const float n0x_3 = n0x_2 + RNEA_FMA(0.207f, t177, RNEA_FMA(-4.8965888e-12f, t173, 2.0682311e-13f*t174)
+		- n4z_2);
+	const float n0y_3 = n0y_2 + RNEA_FMA(0.3735f, t177, -RNEA_FMA(2.0682311e-13f, n4z_2, RNEA_FMA(1.0127277e-24f,
+		t173, t174)));
+	const float t246 = across[19*step];
+	const float f0z_4 = f0z_3 + t246;
+	const float t244 = across[17*step];
+	const float n7z_2 = across[16*step];
+	const float n0x_4 = n0x_3 + RNEA_FMA(-0.207f, t246, RNEA_FMA(4.8965888e-12f, t244, n7z_2));
+	const float s7 = across[12*step];
+	const float n7x_2 = across[14*step];
+	const float c7 = across[13*step];
+	const float n7y_2 = across[15*step];
+	const float n0y_4 = n0y_3 + RNEA_FMA(-0.3735f, t246, RNEA_FMA(s7, n7x_2, c7*n7y_2));
+	const float t309 = across[28*step];
+	const float f0z_5 = f0z_4 + t309;
+	const float t307 = across[27*step];
+	const float n10z_2 = across[25*step];
+	const float n0x_5 = n0x_4 + RNEA_FMA(-0.207f, t309, RNEA_FMA(4.8965888e-12f, t307, n10z_2));
+	const float s10 = across[21*step];
+	const float n10x_2 = across[23*step];
+	const float c10 = across[22*step];
+	const float n10y_2 = across[24*step];
+	const float n0y_5 = n0y_4 + RNEA_FMA(0.3735f, t309, RNEA_FMA(s10, n10x_2, c10*n10y_2));
+	tau[2*stride] = f0z_5;
+	tau[3*stride] = n0x_5;
+	tau[4*stride] = n0y_5;
 	(void)all_small;
 }
 
@@ -2823,191 +2793,152 @@ static RNEA_INLINE void hyq_rnea_limb1(const float *q, const float *qd, const fl
 	const float t40 = 0.207f*t11;
 	float s4, c4;
 	all_small &= rneagen_sincosf_known(q4, known, sines, &s4, &c4);
-	const float t113 = t33 + t34;
-	const float t114 = t36 + t37;
-	const float t115 = t40 - t39;
-	const float t116 = a0x + t113;
-	const float t117 = a0y - t114;
-	const float t118 = a0z + t115;
-	const float t119 = t118 + RNEA_FMA(1.0127277e-24f, t117, 4.8965888e-12f*t116);
-	const float t120 = RNEA_FMA(2.0682311e-13f, t116, -t117);
-	const float a4z = RNEA_FMA(4.8965888e-12f, t118, -RNEA_FMA(2.0682311e-13f, t117, t116));
+	const float t109 = t33 + t34;
+	const float t110 = t36 + t37;
+	const float t111 = t40 - t39;
+	const float t112 = a0x + t109;
+	const float t113 = a0y - t110;
+	const float t114 = a0z + t111;
+	const float t115 = t114 + RNEA_FMA(1.0127277e-24f, t113, 4.8965888e-12f*t112);
+	const float t116 = RNEA_FMA(2.0682311e-13f, t112, -t113);
+	const float a4z = RNEA_FMA(4.8965888e-12f, t114, -RNEA_FMA(2.0682311e-13f, t113, t112));
 	const float w4x = RNEA_FMA(c4, -t24, t25*s4);
 	const float w4y = RNEA_FMA(t24, s4, t25*c4);
 	const float w4z = t27 + qd4;
 	const float dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(c4, -t29, t30*s4));
 	const float dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(t29, s4, t30*c4));
 	const float dw4z = t32 + qdd4;
-	const float a4x = RNEA_FMA(t119, -c4, s4*t120);
-	const float a4y = RNEA_FMA(s4, t119, c4*t120);
-	const float t121 = w4y*w4z;
-	const float t122 = w4z*w4z;
-	const float t123 = w4y*w4y;
-	const float t124 = t122 + t123;
-	const float t125 = t121 - dw4x;
-	const float t126 = w4x*w4z;
-	const float t127 = w4x*w4x;
-	const float t128 = t126 - dw4y;
-	const float t129 = dw4y + t126;
-	const float t130 = w4x*w4y;
-	const float t131 = dw4z + t130;
-	const float f4x = RNEA_FMA(2.93f, a4x, -RNEA_FMA(0.4960783f, t129, 0.1249059f*t124));
-	const float f4y = RNEA_FMA(2.93f, a4y, RNEA_FMA(-0.4960783f, t125, 0.1249059f*t131));
-	const float f4z = RNEA_FMA(2.93f, a4z, RNEA_FMA(0.4960783f, t123 + t127, 0.1249059f*t128));
-	const float t132 = RNEA_FMA(0.022737818f, t131, RNEA_FMA(-4e-05f, t128, RNEA_FMA(-0.13314101f, t121,
-		0.13470101f*dw4x)));
-	const float t133 = RNEA_FMA(5e-05f, t130 - dw4z, RNEA_FMA(0.14417575f, dw4y, 0.12366628f*t126));
-	const float t134 = RNEA_FMA(0.022737818f, t122 - t127, RNEA_FMA(4e-05f, dw4x + t121, t133));
-	const float t135 = RNEA_FMA(-5e-05f, t129, RNEA_FMA(-0.022737818f, t125, RNEA_FMA(0.011034738f, dw4z,
-		0.0094747385f*t130)));
-	const float n4x = RNEA_FMA(0.4960783f, a4y, RNEA_FMA(-5e-05f, t123 - t122, t132));
-	const float n4y = t134 - RNEA_FMA(0.4960783f, a4x, 0.1249059f*a4z);
-	const float n4z = RNEA_FMA(0.1249059f, a4y, RNEA_FMA(4e-05f, t127 - t123, t135));
+	const float a4x = RNEA_FMA(t115, -c4, s4*t116);
+	const float a4y = RNEA_FMA(s4, t115, c4*t116);
+	const float t117 = w4y*w4z;
+	const float t118 = w4z*w4z;
+	const float t119 = w4y*w4y;
+	const float t120 = t118 + t119;
+	const float t121 = dw4x + t117;
+	const float t122 = w4x*w4z;
+	const float t123 = w4x*w4x;
+	const float t124 = t122 - dw4y;
+	const float t125 = w4x*w4y;
+	const float t126 = t125 - dw4z;
+	const float t127 = dw4z + t125;
+	const float f4y = RNEA_FMA(8.81e-05f, t118 + t123, 0.40642598f*t127);
+	const float f4z = RNEA_FMA(-8.81e-05f, t121, 0.40642598f*t124);
+	const float t128 = RNEA_FMA(0.022737818f, t127, RNEA_FMA(-4.7048e-05f, t124, RNEA_FMA(0.18947332f, dw4x,
+		0.255026f*t117)));
+	const float t129 = RNEA_FMA(0.022737818f, t118 - t123, RNEA_FMA(4.7048e-05f, t121, RNEA_FMA(-0.06555269f, t122,
+		5e-05f*t126)));
+	const float t130 = RNEA_FMA(-0.022737818f, t117 - dw4x, RNEA_FMA(-0.18947332f, t125, 0.255026f*dw4z));
+	const float t131 = RNEA_FMA(4.7048e-05f, t123 - t119, RNEA_FMA(-5e-05f, dw4y + t122, t130));
+	const float n4x = RNEA_FMA(-8.81e-05f, a4z, RNEA_FMA(-5e-05f, t119 - t118, t128));
+	const float n4y = RNEA_FMA(-0.40642598f, a4z, t129);
+	const float n4z = RNEA_FMA(0.40642598f, a4y, 8.81e-05f*a4x) + t131;
 	float s5, c5;
 	all_small &= rneagen_sincosf_known(q5, known, sines + 2, &s5, &c5);
-	const float t136 = RNEA_FMA(4.8965888e-12f, w4y, w4z);
-	const float t137 = RNEA_FMA(4.8965888e-12f, dw4y, dw4z);
-	const float t138 = RNEA_FMA(-0.08f, t124, a4x);
-	const float t139 = RNEA_FMA(0.08f, t131, a4y);
-	const float t140 = RNEA_FMA(0.08f, t128, a4z);
-	const float t141 = RNEA_FMA(4.8965888e-12f, t139, t140);
-	const float a5z = RNEA_FMA(4.8965888e-12f, t140, -t139);
-	const float w5x = RNEA_FMA(w4x, c5, s5*t136);
-	const float w5y = RNEA_FMA(s5, -w4x, c5*t136);
+	const float t132 = RNEA_FMA(4.8965888e-12f, w4y, w4z);
+	const float t133 = RNEA_FMA(4.8965888e-12f, dw4y, dw4z);
+	const float t134 = RNEA_FMA(-0.08f, t120, a4x);
+	const float t135 = RNEA_FMA(0.08f, t127, a4y);
+	const float t136 = RNEA_FMA(0.08f, t124, a4z);
+	const float t137 = RNEA_FMA(4.8965888e-12f, t135, t136);
+	const float a5z = RNEA_FMA(4.8965888e-12f, t136, -t135);
+	const float w5x = RNEA_FMA(w4x, c5, s5*t132);
+	const float w5y = RNEA_FMA(s5, -w4x, c5*t132);
 	const float w5z = qd5 + RNEA_FMA(4.8965888e-12f, w4z, -w4y);
-	const float dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4x, c5, s5*t137));
-	const float dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(s5, -dw4x, c5*t137));
+	const float dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(dw4x, c5, s5*t133));
+	const float dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(s5, -dw4x, c5*t133));
 	const float dw5z = qdd5 + RNEA_FMA(4.8965888e-12f, dw4z, -dw4y);
-	const float a5x = RNEA_FMA(c5, t138, s5*t141);
-	const float a5y = RNEA_FMA(t138, -s5, c5*t141);
-	const float t142 = w5y*w5z;
-	const float t143 = w5z*w5z;
-	const float t144 = w5y*w5y;
-	const float t145 = t143 + t144;
-	const float t146 = dw5x + t142;
-	const float t147 = w5x*w5z;
-	const float t148 = w5x*w5x;
-	const float t149 = t147 - dw5y;
-	const float t150 = w5x*w5y;
-	const float t151 = t150 - dw5z;
-	const float t152 = dw5z + t150;
-	const float f5x = RNEA_FMA(2.638f, a5x, RNEA_FMA(-0.39765212f, t145, 0.0692475f*t151));
-	const float f5y = RNEA_FMA(2.638f, a5y, RNEA_FMA(-0.0692475f, t143 + t148, 0.39765212f*t152));
-	const float f5z = RNEA_FMA(2.638f, a5z, RNEA_FMA(0.0692475f, t146, 0.39765212f*t149));
-	const float t153 = RNEA_FMA(-0.0001f, t152, RNEA_FMA(0.007418368f, t149, RNEA_FMA(0.005497747f, dw5x,
-		0.0027377468f*t142)));
-	const float t154 = RNEA_FMA(-0.007418368f, t146, RNEA_FMA(-2e-05f, t151, RNEA_FMA(-0.08437208f, t147,
-		0.08713208f*dw5y)));
-	const float t155 = RNEA_FMA(0.0001f, t142 - dw5x, RNEA_FMA(0.08986983f, dw5z, 0.081634335f*t150));
-	const float t156 = RNEA_FMA(-0.007418368f, t148 - t144, RNEA_FMA(2e-05f, dw5y + t147, t155));
-	const float n5x = RNEA_FMA(0.0692475f, a5z, RNEA_FMA(2e-05f, t144 - t143, t153));
-	const float n5y = RNEA_FMA(-0.39765212f, a5z, RNEA_FMA(-0.0001f, t143 - t148, t154));
-	const float n5z = RNEA_FMA(-0.0692475f, a5x, 0.39765212f*a5y) + t156;
+	const float a5x = RNEA_FMA(c5, t134, s5*t137);
+	const float a5y = RNEA_FMA(t134, -s5, c5*t137);
+	const float t138 = w5y*w5z;
+	const float t139 = w5z*w5z;
+	const float t140 = w5y*w5y;
+	const float t141 = t139 + t140;
+	const float t142 = dw5x + t138;
+	const float t143 = w5x*w5z;
+	const float t144 = w5x*w5x;
+	const float t145 = t143 - dw5y;
+	const float t146 = w5x*w5y;
+	const float t147 = t146 - dw5z;
+	const float t148 = dw5z + t146;
+	const float f5x = RNEA_FMA(-0.7060025f, t141, 0.0692475f*t147);
+	const float f5y = RNEA_FMA(-0.0692475f, t139 + t144, 0.7060025f*t148);
+	const float f5z = RNEA_FMA(0.0692475f, t142, 0.7060025f*t145);
+	const float t149 = RNEA_FMA(-0.000130835f, t148, RNEA_FMA(0.007418368f, t145, RNEA_FMA(-0.18955696f, dw5x,
+		0.19779246f*t138)));
+	const float t150 = RNEA_FMA(0.000130835f, t139 - t144, RNEA_FMA(0.007418368f, t142, RNEA_FMA(2e-05f, t147,
+		0.3873494f*t143)));
+	const float t151 = RNEA_FMA(0.000130835f, t138 - dw5x, RNEA_FMA(0.19779246f, dw5z, 0.18955696f*t146));
+	const float t152 = RNEA_FMA(-0.007418368f, t144 - t140, RNEA_FMA(2e-05f, dw5y + t143, t151));
+	const float n5x = RNEA_FMA(0.0692475f, a5z, RNEA_FMA(2e-05f, t140 - t139, t149));
+	const float n5z = RNEA_FMA(-0.0692475f, a5x, 0.7060025f*a5y) + t152;
 	float s6, c6;
 	all_small &= rneagen_sincosf_known(q6, known, sines + 4, &s6, &c6);
-	const float t157 = RNEA_FMA(-0.35f, t145, a5x);
-	const float t158 = RNEA_FMA(0.35f, t152, a5y);
-	const float a6z = RNEA_FMA(0.35f, t149, a5z);
-	const float w6x = RNEA_FMA(w5x, c6, w5y*s6);
-	const float w6y = RNEA_FMA(s6, -w5x, w5y*c6);
+	const float sa6 = RNEA_FMA(-0.00031897824f, c6, 0.99999994f*s6);
+	const float ca6 = RNEA_FMA(0.99999994f, c6, 0.00031897824f*s6);
+	const float a6z = RNEA_FMA(0.35f, t145, a5z);
+	const float w6x = RNEA_FMA(w5x, ca6, w5y*sa6);
+	const float w6y = RNEA_FMA(sa6, -w5x, w5y*ca6);
 	const float w6z = w5z + qd6;
-	const float dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5y*s6));
-	const float dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5y*c6));
+	const float dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, ca6, dw5y*sa6));
+	const float dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(sa6, -dw5x, dw5y*ca6));
 	const float dw6z = dw5z + qdd6;
-	const float a6x = RNEA_FMA(c6, t157, s6*t158);
-	const float a6y = RNEA_FMA(t157, -s6, c6*t158);
-	const float t159 = w6y*w6z;
-	const float t160 = w6z*w6z;
-	const float t161 = w6y*w6y;
-	const float t162 = t159 - dw6x;
-	const float t163 = dw6x + t159;
-	const float t164 = w6x*w6z;
-	const float t165 = w6x*w6x;
-	const float t166 = t164 - dw6y;
-	const float t167 = dw6y + t164;
-	const float t168 = w6x*w6y;
-	const float t169 = t168 - dw6z;
-	const float t170 = dw6z + t168;
-	const float t171 = RNEA_FMA(8.81e-05f, t167, -RNEA_FMA(3.524e-05f, t169, 0.110477746f*(t160 + t161)));
-	const float f6x = RNEA_FMA(0.881001f, a6x, t171);
-	const float f6y = RNEA_FMA(0.881001f, a6y, RNEA_FMA(8.81e-05f, t162, RNEA_FMA(3.524e-05f, t160 + t165,
-		0.110477746f*t170)));
-	const float f6z = RNEA_FMA(0.881001f, a6z, RNEA_FMA(-8.81e-05f, t161 + t165, RNEA_FMA(-3.524e-05f, t163,
-		0.110477746f*t166)));
-	const float t172 = RNEA_FMA(-2.04774e-06f, t170, RNEA_FMA(5.4580905e-05f, t166, RNEA_FMA(-0.0002300074f, t159,
-		0.00047101022f*dw6x)));
-	const float t173 = RNEA_FMA(-5.4580905e-05f, t163, RNEA_FMA(9.96476e-07f, t169, RNEA_FMA(-0.025713976f, t164,
-		0.026414994f*dw6y)));
-	const float t174 = RNEA_FMA(-9.96476e-07f, t167, RNEA_FMA(2.04774e-06f, t162, RNEA_FMA(0.026184987f, dw6z,
-		0.025943983f*t168)));
-	const float n6x = RNEA_FMA(-9.96476e-07f, t161 - t160, t172) - RNEA_FMA(3.524e-05f, a6z, 8.81e-05f*a6y);
-	const float n6y = RNEA_FMA(-0.110477746f, a6z, 8.81e-05f*a6x) + RNEA_FMA(-2.04774e-06f, t160 - t165, t173);
-	const float n6z = RNEA_FMA(0.110477746f, a6y, 3.524e-05f*a6x) + RNEA_FMA(-5.4580905e-05f, t165 - t161, t174);
-	const float t175 = RNEA_FMA(s6, f6x, c6*f6y);
-	const float f5x_2 = f5x + RNEA_FMA(-s6, f6y, c6*f6x);
-	const float f5y_2 = f5y + t175;
-	const float f5z_2 = f5z + f6z;
-	const float n5x_2 = n5x + RNEA_FMA(-s6, n6y, c6*n6x);
-	const float n5y_2 = n5y + RNEA_FMA(-0.35f, f6z, RNEA_FMA(s6, n6x, c6*n6y));
-	const float n5z_2 = n5z + RNEA_FMA(0.35f, t175, n6z);
-	tau[11*stride] = n6z;
-	const float t176 = RNEA_FMA(s5, f5x_2, c5*f5y_2);
-	const float t177 = RNEA_FMA(s5, n5x_2, c5*n5y_2);
-	const float t178 = RNEA_FMA(4.8965888e-12f, t176, -f5z_2);
-	const float t179 = RNEA_FMA(4.8965888e-12f, f5z_2, t176);
-	const float f4x_2 = f4x + RNEA_FMA(-s5, f5y_2, c5*f5x_2);
-	const float f4y_2 = f4y + t178;
-	const float f4z_2 = f4z + t179;
-	const float n4x_2 = n4x + RNEA_FMA(-s5, n5y_2, c5*n5x_2);
-	const float n4y_2 = n4y + RNEA_FMA(-0.08f, t179, RNEA_FMA(4.8965888e-12f, t177, -n5z_2));
-	const float n4z_2 = n4z + RNEA_FMA(0.08f, t178, RNEA_FMA(4.8965888e-12f, n5z_2, t177));
-	tau[10*stride] = n5z_2;
-	const float t180 = RNEA_FMA(f4y_2, -s4, c4*f4x_2);
-	const float t181 = RNEA_FMA(s4, f4x_2, c4*f4y_2);
-	const float t182 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
-	const float t183 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
-	const float t184 = RNEA_FMA(-4.8965888e-12f, t180, 2.0682311e-13f*t181) - f4z_2;
-	across[6*step] = t184;
-	const float t185 = RNEA_FMA(2.0682311e-13f, f4z_2, RNEA_FMA(1.0127277e-24f, t180, t181));
-	across[7*step] = t185;
-	const float t186 = RNEA_FMA(4.8965888e-12f, f4z_2, -t180);
-	const float t187 = RNEA_FMA(4.8965888e-12f, n4z_2, -t182) + RNEA_FMA(-0.207f, t184, 0.3735f*t185);
-	across[8*step] = t187;
+	const float a6y = RNEA_FMA(RNEA_FMA(-0.35f, t141, a5x), -sa6, ca6*RNEA_FMA(0.35f, t148, a5y));
+	const float t153 = w6y*w6z;
+	const float t154 = w6z*w6z;
+	const float t155 = w6y*w6y;
+	const float t156 = w6x*w6z;
+	const float t157 = w6x*w6x;
+	const float t158 = t156 - dw6y;
+	const float t159 = w6x*w6y;
+	const float t160 = dw6z + t159;
+	const float t161 = 0.11047775f*(t154 + t155);
+	const float f6y = 0.11047775f*t160;
+	const float t162 = RNEA_FMA(-2.047422e-06f, t160, RNEA_FMA(6.285646e-05f, t158, RNEA_FMA(-0.025943909f, dw6x,
+		0.026184987f*t153)));
+	const float n6x = RNEA_FMA(-9.971292e-07f, t155 - t154, t162);
+	const float t163 = RNEA_FMA(-6.285646e-05f, dw6x + t153, RNEA_FMA(-0.052128896f, t156, 9.971292e-07f*(t159
+		- dw6z)));
+	const float t164 = RNEA_FMA(2.047422e-06f, t153 - dw6x, RNEA_FMA(0.026184987f, dw6z, 0.025943909f*t159));
+	const float n6y = RNEA_FMA(-0.11047775f, a6z, RNEA_FMA(-2.047422e-06f, t154 - t157, t163));
+	const float n6z = RNEA_FMA(0.11047775f, a6y, RNEA_FMA(-6.285646e-05f, t157 - t155, RNEA_FMA(-9.971292e-07f, dw6y
+		+ t156, t164)));
+	const float t165 = RNEA_FMA(-sa6, t161, ca6*f6y);
+	const float f5x_2 = f5x - RNEA_FMA(ca6, t161, sa6*f6y);
+	const float f5y_2 = f5y + t165;
+	const float f5z_2 = RNEA_FMA(0.11047775f, t158, f5z);
+	const float n5x_2 = n5x + RNEA_FMA(-sa6, n6y, ca6*n6x);
+	const float n5y = RNEA_FMA(-0.038667213f, t158, RNEA_FMA(sa6, n6x, ca6*n6y)) - RNEA_FMA(0.7060025f, a5z, t150);
+	const float n5z_2 = n5z + RNEA_FMA(0.35f, t165, n6z);
+	const float t166 = RNEA_FMA(-s5, f5y_2, c5*f5x_2);
+	const float t167 = RNEA_FMA(s5, f5x_2, c5*f5y_2);
+	const float t168 = RNEA_FMA(s5, n5x_2, c5*n5y);
+	const float t169 = RNEA_FMA(4.8965888e-12f, t167, -f5z_2);
+	const float t170 = RNEA_FMA(4.8965888e-12f, f5z_2, t167);
+	const float f4x = t166 - RNEA_FMA(8.81e-05f, t126, 0.40642598f*t120);
+	const float f4y_2 = f4y + t169;
+	const float f4z_2 = f4z + t170;
+	across[4*step] = f4z_2;
+	const float n4x_2 = n4x + RNEA_FMA(-s5, n5y, c5*n5x_2);
+	const float n4y_2 = n4y + RNEA_FMA(-0.08f, t170, RNEA_FMA(4.8965888e-12f, t168, -n5z_2));
+	const float n4z_2 = n4z + RNEA_FMA(0.08f, t169, RNEA_FMA(4.8965888e-12f, n5z_2, t168));
+	across[5*step] = n4z_2;
+	const float t171 = RNEA_FMA(f4y_2, -s4, c4*f4x);
+	across[6*step] = t171;
+	const float t172 = RNEA_FMA(s4, f4x, c4*f4y_2);
+	const float t173 = RNEA_FMA(n4y_2, -s4, c4*n4x_2);
+	across[7*step] = t173;
+	const float t174 = RNEA_FMA(s4, n4x_2, c4*n4y_2);
+	across[8*step] = t174;
+	const float t175 = RNEA_FMA(-4.8965888e-12f, t171, 2.0682311e-13f*t172) - f4z_2;
+	across[9*step] = t175;
+	const float t176 = RNEA_FMA(2.0682311e-13f, f4z_2, RNEA_FMA(1.0127277e-24f, t171, t172));
+	across[10*step] = t176;
+	const float t178 = RNEA_FMA(4.8965888e-12f, n4z_2, -t173) + RNEA_FMA(-0.207f, t175, 0.3735f*t176);
+	across[11*step] = t178;
 	tau[9*stride] = n4z_2;
 	RNEA_JOIN();
-	const float f0z = across[0];
-	const float t111 = across[3*step];
-	const float f0z_2 = f0z + t111;
-	const float f0z_3 = f0z_2 + t186;
-	const float n0x_2 = across[4*step];
-	const float n0x_3 = n0x_2 + RNEA_FMA(0.207f, t186, RNEA_FMA(-4.8965888e-12f, t182, 2.0682311e-13f*t183)
-		- n4z_2);
-	const float n0y_2 = across[5*step];
-	const float n0y_3 = n0y_2 + RNEA_FMA(0.3735f, t186, -RNEA_FMA(2.0682311e-13f, n4z_2, RNEA_FMA(1.0127277e-24f,
-		t182, t183)));
-	const float t258 = across[16*step];
-	const float f0z_4 = f0z_3 + t258;
-	const float t256 = across[14*step];
-	const float n7z_2 = across[13*step];
-	const float n0x_4 = n0x_3 + RNEA_FMA(-0.207f, t258, RNEA_FMA(4.8965888e-12f, t256, n7z_2));
-	const float s7 = across[9*step];
-	const float n7x_2 = across[11*step];
-	const float c7 = across[10*step];
-	const float n7y_2 = across[12*step];
-	const float n0y_4 = n0y_3 + RNEA_FMA(-0.3735f, t258, RNEA_FMA(s7, n7x_2, c7*n7y_2));
-	const float t327 = across[25*step];
-	const float f0z_5 = f0z_4 + t327;
-	const float t325 = across[24*step];
-	const float n10z_2 = across[22*step];
-	const float n0x_5 = n0x_4 + RNEA_FMA(-0.207f, t327, RNEA_FMA(4.8965888e-12f, t325, n10z_2));
-	const float s10 = across[18*step];
-	const float n10x_2 = across[20*step];
-	const float c10 = across[19*step];
-	const float n10y_2 = across[21*step];
-	const float n0y_5 = n0y_4 + RNEA_FMA(0.3735f, t327, RNEA_FMA(s10, n10x_2, c10*n10y_2));
-	tau[2*stride] = f0z_5;
-	tau[3*stride] = n0x_5;
-	tau[4*stride] = n0y_5;
+	tau[11*stride] = n6z;
+	tau[10*stride] = n5z_2;
 	(void)all_small;
 }
 
@@ -3073,8 +3004,12 @@ static RNEA_INLINE void hyq_rnea_limb2(const float *q, const float *qd, const fl
 	const float t17 = qd0wx*qd0wy;
 	const float t18 = t17 - qdd0wz;
 	const float t19 = qdd0wz + t17;
-	const float f0y = RNEA_FMA(60.978f, a0y, RNEA_FMA(0.22001559f, t10, RNEA_FMA(-1.3106418f, t14,
+	const float f0y = RNEA_FMA(86.774f, a0y, RNEA_FMA(0.22001559f, t10, RNEA_FMA(-1.3106418f, t14,
 		3.4189837f*t19)));
+	const float t21 = RNEA_FMA(-0.04502036f, t11, RNEA_FMA(0.009153269f, t18, RNEA_FMA(-10.597734f, t12,
+		11.478346f*qdd0wy)));
+	const float n0y = RNEA_FMA(-3.4189837f, a0z, 0.22001559f*a0x) + RNEA_FMA(-0.21587546f, t7 - t13, t21);
+	across[0] = n0y;
 	const float t23 = 4.8965888e-12f*qd0wx;
 	const float t26 = 4.8965888e-12f*qd0wz;
 	const float t28 = 4.8965888e-12f*qdd0wx;
@@ -3085,174 +3020,162 @@ static RNEA_INLINE void hyq_rnea_limb2(const float *q, const float *qd, const fl
 	const float t37 = 0.207f*t14;
 	const float t39 = 0.3735f*t15;
 	const float t40 = 0.207f*t11;
-	const float t113 = t33 + t34;
-	const float t114 = t36 + t37;
-	const float t115 = t40 - t39;
+	const float t109 = t33 + t34;
+	const float t110 = t36 + t37;
+	const float t111 = t40 - t39;
 	float s7, c7;
 	all_small &= rneagen_sincosf_known(q7, known, sines, &s7, &c7);
-	across[9*step] = s7;
-	across[10*step] = c7;
-	const float t188 = t23 - qd0wz;
-	const float t189 = qd0wx + t26;
-	const float t190 = t28 - qdd0wz;
-	const float t191 = qdd0wx + t31;
-	const float t192 = a0x - t113;
-	const float t193 = a0y + t114;
-	const float t194 = a0z - t115;
-	const float t195 = RNEA_FMA(4.8965888e-12f, t192, -t194);
-	const float a7z = RNEA_FMA(4.8965888e-12f, t194, t192);
-	const float w7x = RNEA_FMA(c7, t188, qd0wy*s7);
-	const float w7y = RNEA_FMA(t188, -s7, qd0wy*c7);
-	const float w7z = qd7 + t189;
-	const float dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, t190, qdd0wy*s7));
-	const float dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(t190, -s7, qdd0wy*c7));
-	const float dw7z = qdd7 + t191;
-	const float a7x = RNEA_FMA(c7, t195, s7*t193);
-	const float a7y = RNEA_FMA(t195, -s7, c7*t193);
-	const float t196 = w7y*w7z;
-	const float t197 = w7z*w7z;
-	const float t198 = w7y*w7y;
-	const float t199 = t197 + t198;
-	const float t200 = t196 - dw7x;
-	const float t201 = w7x*w7z;
-	const float t202 = w7x*w7x;
-	const float t203 = t201 - dw7y;
-	const float t204 = dw7y + t201;
-	const float t205 = w7x*w7y;
-	const float t206 = dw7z + t205;
-	const float f7x = RNEA_FMA(2.93f, a7x, -RNEA_FMA(0.4960783f, t204, 0.1249059f*t199));
-	const float f7y = RNEA_FMA(2.93f, a7y, RNEA_FMA(-0.4960783f, t200, 0.1249059f*t206));
-	const float f7z = RNEA_FMA(2.93f, a7z, RNEA_FMA(0.4960783f, t198 + t202, 0.1249059f*t203));
-	const float t207 = RNEA_FMA(0.022737818f, t206, RNEA_FMA(-4e-05f, t203, RNEA_FMA(-0.13314101f, t196,
-		0.13470101f*dw7x)));
-	const float t208 = RNEA_FMA(5e-05f, t205 - dw7z, RNEA_FMA(0.14417575f, dw7y, 0.12366628f*t201));
-	const float t209 = RNEA_FMA(0.022737818f, t197 - t202, RNEA_FMA(4e-05f, dw7x + t196, t208));
-	const float t210 = RNEA_FMA(-5e-05f, t204, RNEA_FMA(-0.022737818f, t200, RNEA_FMA(0.011034738f, dw7z,
-		0.0094747385f*t205)));
-	const float n7x = RNEA_FMA(0.4960783f, a7y, RNEA_FMA(-5e-05f, t198 - t197, t207));
-	const float n7y = t209 - RNEA_FMA(0.4960783f, a7x, 0.1249059f*a7z);
-	const float n7z = RNEA_FMA(0.1249059f, a7y, RNEA_FMA(4e-05f, t202 - t198, t210));
+	across[12*step] = s7;
+	across[13*step] = c7;
+	const float t179 = t23 - qd0wz;
+	const float t180 = qd0wx + t26;
+	const float t181 = t28 - qdd0wz;
+	const float t182 = qdd0wx + t31;
+	const float t183 = a0x - t109;
+	const float t184 = a0y + t110;
+	const float t185 = a0z - t111;
+	const float t186 = RNEA_FMA(4.8965888e-12f, t183, -t185);
+	const float a7z = RNEA_FMA(4.8965888e-12f, t185, t183);
+	const float w7x = RNEA_FMA(c7, t179, qd0wy*s7);
+	const float w7y = RNEA_FMA(t179, -s7, qd0wy*c7);
+	const float w7z = qd7 + t180;
+	const float dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, t181, qdd0wy*s7));
+	const float dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(t181, -s7, qdd0wy*c7));
+	const float dw7z = qdd7 + t182;
+	const float a7x = RNEA_FMA(c7, t186, s7*t184);
+	const float a7y = RNEA_FMA(t186, -s7, c7*t184);
+	const float t187 = w7y*w7z;
+	const float t188 = w7z*w7z;
+	const float t189 = w7y*w7y;
+	const float t190 = t188 + t189;
+	const float t191 = dw7x + t187;
+	const float t192 = w7x*w7z;
+	const float t193 = w7x*w7x;
+	const float t194 = t192 - dw7y;
+	const float t195 = w7x*w7y;
+	const float t196 = t195 - dw7z;
+	const float t197 = dw7z + t195;
+	const float f7y = RNEA_FMA(8.81e-05f, t188 + t193, 0.40642598f*t197);
+	const float f7z = RNEA_FMA(-8.81e-05f, t191, 0.40642598f*t194);
+	const float t198 = RNEA_FMA(0.022737818f, t197, RNEA_FMA(-4.7048e-05f, t194, RNEA_FMA(0.18947332f, dw7x,
+		0.255026f*t187)));
+	const float t199 = RNEA_FMA(0.022737818f, t188 - t193, RNEA_FMA(4.7048e-05f, t191, RNEA_FMA(-0.06555269f, t192,
+		5.0000002e-05f*t196)));
+	const float t200 = RNEA_FMA(-0.022737818f, t187 - dw7x, RNEA_FMA(-0.18947332f, t195, 0.255026f*dw7z));
+	const float t201 = RNEA_FMA(4.7048e-05f, t193 - t189, RNEA_FMA(-5.0000002e-05f, dw7y + t192, t200));
+	const float n7x = RNEA_FMA(-8.81e-05f, a7z, RNEA_FMA(-5.0000002e-05f, t189 - t188, t198));
+	const float n7y = RNEA_FMA(-0.40642598f, a7z, t199);
+	const float n7z = RNEA_FMA(0.40642598f, a7y, 8.81e-05f*a7x) + t201;
 	float s8, c8;
 	all_small &= rneagen_sincosf_known(q8, known, sines + 2, &s8, &c8);
-	const float t211 = RNEA_FMA(4.8965888e-12f, w7y, -w7z);
-	const float t212 = RNEA_FMA(4.8965888e-12f, dw7y, -dw7z);
-	const float t213 = RNEA_FMA(-0.08f, t199, a7x);
-	const float t214 = RNEA_FMA(0.08f, t206, a7y);
-	const float t215 = RNEA_FMA(0.08f, t203, a7z);
-	const float t216 = RNEA_FMA(4.8965888e-12f, t214, -t215);
-	const float a8z = RNEA_FMA(4.8965888e-12f, t215, t214);
-	const float w8x = RNEA_FMA(w7x, c8, s8*t211);
-	const float w8y = RNEA_FMA(s8, -w7x, c8*t211);
+	const float t202 = RNEA_FMA(4.8965888e-12f, w7y, -w7z);
+	const float t203 = RNEA_FMA(4.8965888e-12f, dw7y, -dw7z);
+	const float t204 = RNEA_FMA(-0.08f, t190, a7x);
+	const float t205 = RNEA_FMA(0.08f, t197, a7y);
+	const float t206 = RNEA_FMA(0.08f, t194, a7z);
+	const float t207 = RNEA_FMA(4.8965888e-12f, t205, -t206);
+	const float a8z = RNEA_FMA(4.8965888e-12f, t206, t205);
+	const float w8x = RNEA_FMA(w7x, c8, s8*t202);
+	const float w8y = RNEA_FMA(s8, -w7x, c8*t202);
 	const float w8z = qd8 + RNEA_FMA(4.8965888e-12f, w7z, w7y);
-	const float dw8x = RNEA_FMA(qd8, w8y, RNEA_FMA(dw7x, c8, s8*t212));
-	const float dw8y = RNEA_FMA(w8x, -qd8, RNEA_FMA(s8, -dw7x, c8*t212));
+	const float dw8x = RNEA_FMA(qd8, w8y, RNEA_FMA(dw7x, c8, s8*t203));
+	const float dw8y = RNEA_FMA(w8x, -qd8, RNEA_FMA(s8, -dw7x, c8*t203));
 	const float dw8z = qdd8 + RNEA_FMA(4.8965888e-12f, dw7z, dw7y);
-	const float a8x = RNEA_FMA(c8, t213, s8*t216);
-	const float a8y = RNEA_FMA(t213, -s8, c8*t216);
-	const float t217 = w8y*w8z;
-	const float t218 = w8z*w8z;
-	const float t219 = w8y*w8y;
-	const float t220 = t218 + t219;
-	const float t221 = dw8x + t217;
-	const float t222 = w8x*w8z;
-	const float t223 = w8x*w8x;
-	const float t224 = t222 - dw8y;
-	const float t225 = w8x*w8y;
-	const float t226 = t225 - dw8z;
-	const float t227 = dw8z + t225;
-	const float f8x = RNEA_FMA(2.638f, a8x, -RNEA_FMA(0.0692475f, t226, 0.39765212f*t220));
-	const float f8y = RNEA_FMA(2.638f, a8y, RNEA_FMA(0.0692475f, t218 + t223, 0.39765212f*t227));
-	const float f8z = RNEA_FMA(2.638f, a8z, RNEA_FMA(-0.0692475f, t221, 0.39765212f*t224));
-	const float t228 = RNEA_FMA(0.0001f, t227, RNEA_FMA(-0.007418368f, t224, RNEA_FMA(0.005497747f, dw8x,
-		0.0027377468f*t217)));
-	const float t229 = RNEA_FMA(0.007418368f, t221, RNEA_FMA(-2e-05f, t226, RNEA_FMA(-0.08437208f, t222,
-		0.08713208f*dw8y)));
-	const float t230 = RNEA_FMA(-0.0001f, t217 - dw8x, RNEA_FMA(0.08986983f, dw8z, 0.081634335f*t225));
-	const float t231 = RNEA_FMA(0.007418368f, t223 - t219, RNEA_FMA(2e-05f, dw8y + t222, t230));
-	const float n8x = RNEA_FMA(-0.0692475f, a8z, RNEA_FMA(2e-05f, t219 - t218, t228));
-	const float n8y = RNEA_FMA(-0.39765212f, a8z, RNEA_FMA(0.0001f, t218 - t223, t229));
-	const float n8z = RNEA_FMA(0.39765212f, a8y, 0.0692475f*a8x) + t231;
+	const float a8x = RNEA_FMA(c8, t204, s8*t207);
+	const float a8y = RNEA_FMA(t204, -s8, c8*t207);
+	const float t208 = w8y*w8z;
+	const float t209 = w8z*w8z;
+	const float t210 = w8y*w8y;
+	const float t211 = t209 + t210;
+	const float t212 = dw8x + t208;
+	const float t213 = w8x*w8z;
+	const float t214 = w8x*w8x;
+	const float t215 = t213 - dw8y;
+	const float t216 = w8x*w8y;
+	const float t217 = t216 - dw8z;
+	const float t218 = dw8z + t216;
+	const float f8y = RNEA_FMA(0.0692475f, t209 + t214, 0.7060025f*t218);
+	const float f8z = RNEA_FMA(-0.0692475f, t212, 0.7060025f*t215);
+	const float t219 = RNEA_FMA(0.000130835f, t218, RNEA_FMA(-0.007418368f, t215, RNEA_FMA(-0.18955696f, dw8x,
+		0.19779246f*t208)));
+	const float t220 = RNEA_FMA(0.007418368f, t212, -RNEA_FMA(2e-05f, t217, 0.3873494f*t213));
+	const float t221 = RNEA_FMA(-0.000130835f, t208 - dw8x, RNEA_FMA(0.19779246f, dw8z, 0.18955696f*t216));
+	const float t222 = RNEA_FMA(0.007418368f, t214 - t210, RNEA_FMA(2e-05f, dw8y + t213, t221));
+	const float n8x = RNEA_FMA(-0.0692475f, a8z, RNEA_FMA(2e-05f, t210 - t209, t219));
+	const float n8y = RNEA_FMA(-0.7060025f, a8z, RNEA_FMA(0.000130835f, t209 - t214, t220));
+	const float n8z = RNEA_FMA(0.7060025f, a8y, 0.0692475f*a8x) + t222;
 	float s9, c9;
 	all_small &= rneagen_sincosf_known(q9, known, sines + 4, &s9, &c9);
-	const float t232 = RNEA_FMA(-0.35f, t220, a8x);
-	const float t233 = RNEA_FMA(0.35f, t227, a8y);
-	const float a9z = RNEA_FMA(0.35f, t224, a8z);
-	const float w9x = RNEA_FMA(w8x, c9, w8y*s9);
-	const float w9y = RNEA_FMA(s9, -w8x, w8y*c9);
+	const float sa9 = RNEA_FMA(0.99999994f, s9, 0.00031897824f*c9);
+	const float ca9 = RNEA_FMA(-0.00031897824f, s9, 0.99999994f*c9);
+	const float a9z = RNEA_FMA(0.35f, t215, a8z);
+	const float w9x = RNEA_FMA(w8x, ca9, w8y*sa9);
+	const float w9y = RNEA_FMA(sa9, -w8x, w8y*ca9);
 	const float w9z = w8z + qd9;
-	const float dw9x = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8x, c9, dw8y*s9));
-	const float dw9y = RNEA_FMA(w9x, -qd9, RNEA_FMA(s9, -dw8x, dw8y*c9));
+	const float dw9x = RNEA_FMA(qd9, w9y, RNEA_FMA(dw8x, ca9, dw8y*sa9));
+	const float dw9y = RNEA_FMA(w9x, -qd9, RNEA_FMA(sa9, -dw8x, dw8y*ca9));
 	const float dw9z = dw8z + qdd9;
-	const float a9x = RNEA_FMA(c9, t232, s9*t233);
-	const float a9y = RNEA_FMA(t232, -s9, c9*t233);
-	const float t234 = w9y*w9z;
-	const float t235 = w9z*w9z;
-	const float t236 = w9y*w9y;
-	const float t237 = t234 - dw9x;
-	const float t238 = dw9x + t234;
-	const float t239 = w9x*w9z;
-	const float t240 = w9x*w9x;
-	const float t241 = t239 - dw9y;
-	const float t242 = dw9y + t239;
-	const float t243 = w9x*w9y;
-	const float t244 = t243 - dw9z;
-	const float t245 = dw9z + t243;
-	const float f9x = RNEA_FMA(0.881001f, a9x, RNEA_FMA(-8.81e-05f, t242, RNEA_FMA(-0.110477746f, t235 + t236,
-		3.524e-05f*t244)));
-	const float f9y = RNEA_FMA(0.881001f, a9y, RNEA_FMA(-8.81e-05f, t237, RNEA_FMA(-3.524e-05f, t235 + t240,
-		0.110477746f*t245)));
-	const float f9z = RNEA_FMA(0.881001f, a9z, RNEA_FMA(8.81e-05f, t236 + t240, RNEA_FMA(3.524e-05f, t238,
-		0.110477746f*t241)));
-	const float t246 = RNEA_FMA(4.774e-08f, t245, RNEA_FMA(-5.6580902e-05f, t241, RNEA_FMA(-0.0002300074f, t234,
-		0.00047101022f*dw9x)));
-	const float t247 = RNEA_FMA(5.6580902e-05f, t238, RNEA_FMA(9.96476e-07f, t244, RNEA_FMA(-0.025713976f, t239,
-		0.026414994f*dw9y)));
-	const float t248 = RNEA_FMA(-9.96476e-07f, t242, RNEA_FMA(-4.774e-08f, t237, RNEA_FMA(0.026184987f, dw9z,
-		0.025943983f*t243)));
-	const float n9x = RNEA_FMA(3.524e-05f, a9z, 8.81e-05f*a9y) + RNEA_FMA(-9.96476e-07f, t236 - t235, t246);
-	const float n9y = RNEA_FMA(4.774e-08f, t235 - t240, t247) - RNEA_FMA(8.81e-05f, a9x, 0.110477746f*a9z);
-	const float n9z = RNEA_FMA(-3.524e-05f, a9x, 0.110477746f*a9y) + RNEA_FMA(5.6580902e-05f, t240 - t236, t248);
-	const float t249 = RNEA_FMA(s9, f9x, c9*f9y);
-	const float f8x_2 = f8x + RNEA_FMA(-s9, f9y, c9*f9x);
-	const float f8y_2 = f8y + t249;
-	const float f8z_2 = f8z + f9z;
-	const float n8x_2 = n8x + RNEA_FMA(-s9, n9y, c9*n9x);
-	const float n8y_2 = n8y + RNEA_FMA(-0.35f, f9z, RNEA_FMA(s9, n9x, c9*n9y));
-	const float n8z_2 = n8z + RNEA_FMA(0.35f, t249, n9z);
+	const float a9y = RNEA_FMA(RNEA_FMA(-0.35f, t211, a8x), -sa9, ca9*RNEA_FMA(0.35f, t218, a8y));
+	const float t223 = w9y*w9z;
+	const float t224 = w9z*w9z;
+	const float t225 = w9y*w9y;
+	const float t226 = w9x*w9z;
+	const float t227 = w9x*w9x;
+	const float t228 = t226 - dw9y;
+	const float t229 = w9x*w9y;
+	const float t230 = dw9z + t229;
+	const float t231 = 0.11047775f*(t224 + t225);
+	const float f9y = 0.11047775f*t230;
+	const float t232 = RNEA_FMA(4.7422144e-08f, t230, RNEA_FMA(-6.485646e-05f, t228, RNEA_FMA(-0.025943907f, dw9x,
+		0.026184987f*t223)));
+	const float n9x = RNEA_FMA(-9.964912e-07f, t225 - t224, t232);
+	const float t233 = RNEA_FMA(6.485646e-05f, dw9x + t223, RNEA_FMA(-0.052128892f, t226, 9.964912e-07f*(t229
+		- dw9z)));
+	const float t234 = RNEA_FMA(-4.7422144e-08f, t223 - dw9x, RNEA_FMA(0.026184987f, dw9z, 0.025943907f*t229));
+	const float n9y = RNEA_FMA(-0.11047775f, a9z, RNEA_FMA(4.7422144e-08f, t224 - t227, t233));
+	const float n9z = RNEA_FMA(0.11047775f, a9y, RNEA_FMA(6.485646e-05f, t227 - t225, RNEA_FMA(-9.964912e-07f, dw9y
+		+ t226, t234)));
+	const float t235 = RNEA_FMA(-sa9, t231, ca9*f9y);
+	const float t236 = RNEA_FMA(0.0692475f, t217, 0.7060025f*t211) + RNEA_FMA(ca9, t231, sa9*f9y);
+	const float f8y_2 = f8y + t235;
+	const float f8z_2 = RNEA_FMA(0.11047775f, t228, f8z);
+	const float n8x_2 = n8x + RNEA_FMA(-sa9, n9y, ca9*n9x);
+	const float n8y_2 = n8y + RNEA_FMA(-0.038667213f, t228, RNEA_FMA(sa9, n9x, ca9*n9y));
+	const float n8z_2 = n8z + RNEA_FMA(0.35f, t235, n9z);
 	tau[14*stride] = n9z;
-	const float t250 = RNEA_FMA(s8, f8x_2, c8*f8y_2);
-	const float t251 = RNEA_FMA(s8, n8x_2, c8*n8y_2);
-	const float t252 = RNEA_FMA(4.8965888e-12f, t250, f8z_2);
-	const float t253 = RNEA_FMA(4.8965888e-12f, f8z_2, -t250);
-	const float f7x_2 = f7x + RNEA_FMA(-s8, f8y_2, c8*f8x_2);
-	const float f7y_2 = f7y + t252;
-	const float f7z_2 = f7z + t253;
+	const float t237 = RNEA_FMA(-s8, t236, c8*f8y_2);
+	const float t238 = RNEA_FMA(s8, n8x_2, c8*n8y_2);
+	const float t239 = RNEA_FMA(4.8965888e-12f, t237, f8z_2);
+	const float t240 = RNEA_FMA(4.8965888e-12f, f8z_2, -t237);
+	const float t241 = RNEA_FMA(8.81e-05f, t196, 0.40642598f*t190) + RNEA_FMA(c8, t236, s8*f8y_2);
+	const float f7y_2 = f7y + t239;
+	const float f7z_2 = f7z + t240;
 	const float n7x_2 = n7x + RNEA_FMA(-s8, n8y_2, c8*n8x_2);
-	across[11*step] = n7x_2;
-	const float n7y_2 = n7y + RNEA_FMA(-0.08f, t253, RNEA_FMA(4.8965888e-12f, t251, n8z_2));
-	across[12*step] = n7y_2;
-	const float n7z_2 = n7z + RNEA_FMA(0.08f, t252, RNEA_FMA(4.8965888e-12f, n8z_2, -t251));
-	across[13*step] = n7z_2;
+	across[14*step] = n7x_2;
+	const float n7y_2 = n7y + RNEA_FMA(-0.08f, t240, RNEA_FMA(4.8965888e-12f, t238, n8z_2));
+	across[15*step] = n7y_2;
+	const float n7z_2 = n7z + RNEA_FMA(0.08f, t239, RNEA_FMA(4.8965888e-12f, n8z_2, -t238));
+	across[16*step] = n7z_2;
 	tau[13*stride] = n8z_2;
-	const float t254 = RNEA_FMA(-s7, f7y_2, c7*f7x_2);
-	const float t255 = RNEA_FMA(s7, f7x_2, c7*f7y_2);
-	const float t256 = RNEA_FMA(-s7, n7y_2, c7*n7x_2);
-	across[14*step] = t256;
-	const float t257 = RNEA_FMA(4.8965888e-12f, t254, f7z_2);
-	across[15*step] = t257;
-	const float t258 = RNEA_FMA(4.8965888e-12f, f7z_2, -t254);
-	across[16*step] = t258;
-	const float t259 = RNEA_FMA(4.8965888e-12f, n7z_2, -t256) + RNEA_FMA(0.3735f, t255, 0.207f*t257);
-	across[17*step] = t259;
+	const float t242 = RNEA_FMA(c7, t241, s7*f7y_2);
+	const float t243 = RNEA_FMA(-s7, t241, c7*f7y_2);
+	const float t244 = RNEA_FMA(-s7, n7y_2, c7*n7x_2);
+	across[17*step] = t244;
+	const float t245 = RNEA_FMA(-4.8965888e-12f, t242, f7z_2);
+	across[18*step] = t245;
+	const float t246 = RNEA_FMA(4.8965888e-12f, f7z_2, t242);
+	across[19*step] = t246;
+	const float t247 = RNEA_FMA(4.8965888e-12f, n7z_2, -t244) + RNEA_FMA(0.3735f, t243, 0.207f*t245);
+	across[20*step] = t247;
 	tau[12*stride] = n7z_2;
 	RNEA_JOIN();
-	const float t110 = across[2*step];
-	const float f0y_2 = f0y - t110;
-	const float t185 = across[7*step];
-	const float f0y_3 = f0y_2 - t185;
-	const float f0y_4 = f0y_3 + t255;
-	const float t324 = across[23*step];
-	const float f0y_5 = f0y_4 + t324;
+	const float t106 = across[2*step];
+	const float f0y_2 = f0y - t106;
+	const float t176 = across[10*step];
+	const float f0y_3 = f0y_2 - t176;
+	const float f0y_4 = f0y_3 + t243;
+	const float t306 = across[26*step];
+	const float f0y_5 = f0y_4 + t306;
 	tau[stride] = f0y_5;
 	(void)all_small;
 }
@@ -3310,6 +3233,7 @@ static RNEA_INLINE void hyq_rnea_limb3(const float *q, const float *qd, const fl
 	const float t7 = qd0wz*qd0wz;
 	const float t8 = qd0wy*qd0wy;
 	const float t9 = t7 + t8;
+	const float t10 = t6 - qdd0wx;
 	const float t11 = qdd0wx + t6;
 	const float t12 = qd0wx*qd0wz;
 	const float t13 = qd0wx*qd0wx;
@@ -3319,10 +3243,10 @@ static RNEA_INLINE void hyq_rnea_limb3(const float *q, const float *qd, const fl
 	const float t17 = qd0wx*qd0wy;
 	const float t18 = t17 - qdd0wz;
 	const float t19 = qdd0wz + t17;
-	const float f0x = RNEA_FMA(60.978f, a0x, RNEA_FMA(0.22001559f, t16, RNEA_FMA(-3.4189837f, t9, 1.3106418f*t18)));
-	const float f0z = RNEA_FMA(60.978f, a0z, RNEA_FMA(-0.22001559f, t8 + t13, RNEA_FMA(1.3106418f, t11,
-		3.4189837f*t15)));
-	across[0] = f0z;
+	const float f0x = RNEA_FMA(86.774f, a0x, RNEA_FMA(0.22001559f, t16, RNEA_FMA(-3.4189837f, t9, 1.3106418f*t18)));
+	const float t22 = RNEA_FMA(-0.009153269f, t16, RNEA_FMA(0.21587546f, t10, RNEA_FMA(13.304798f, qdd0wz,
+		8.771282f*t17)));
+	const float n0z = RNEA_FMA(-1.3106418f, a0x, 3.4189837f*a0y) + RNEA_FMA(-0.04502036f, t13 - t8, t22);
 	const float t23 = 4.8965888e-12f*qd0wx;
 	const float t26 = 4.8965888e-12f*qd0wz;
 	const float t28 = 4.8965888e-12f*qdd0wx;
@@ -3336,172 +3260,170 @@ static RNEA_INLINE void hyq_rnea_limb3(const float *q, const float *qd, const fl
 	const float t39 = 0.3735f*t15;
 	const float t40 = 0.207f*t11;
 	const float t41 = t39 + t40;
-	const float t188 = t23 - qd0wz;
-	const float t189 = qd0wx + t26;
-	const float t190 = t28 - qdd0wz;
-	const float t191 = qdd0wx + t31;
+	const float t179 = t23 - qd0wz;
+	const float t180 = qd0wx + t26;
+	const float t181 = t28 - qdd0wz;
+	const float t182 = qdd0wx + t31;
 	float s10, c10;
 	all_small &= rneagen_sincosf_known(q10, known, sines, &s10, &c10);
-	across[18*step] = s10;
-	across[19*step] = c10;
-	const float t260 = a0x - t35;
-	const float t261 = a0y - t38;
-	const float t262 = a0z - t41;
-	const float t263 = RNEA_FMA(4.8965888e-12f, t260, -t262);
-	const float a10z = RNEA_FMA(4.8965888e-12f, t262, t260);
-	const float w10x = RNEA_FMA(t188, c10, qd0wy*s10);
-	const float w10y = RNEA_FMA(s10, -t188, qd0wy*c10);
-	const float w10z = t189 + qd10;
-	const float dw10x = RNEA_FMA(qd10, w10y, RNEA_FMA(t190, c10, qdd0wy*s10));
-	const float dw10y = RNEA_FMA(w10x, -qd10, RNEA_FMA(s10, -t190, qdd0wy*c10));
-	const float dw10z = t191 + qdd10;
-	const float a10x = RNEA_FMA(c10, t263, s10*t261);
-	const float a10y = RNEA_FMA(t263, -s10, c10*t261);
-	const float t264 = w10y*w10z;
-	const float t265 = w10z*w10z;
-	const float t266 = w10y*w10y;
-	const float t267 = t265 + t266;
-	const float t268 = t264 - dw10x;
-	const float t269 = w10x*w10z;
-	const float t270 = w10x*w10x;
-	const float t271 = t269 - dw10y;
-	const float t272 = dw10y + t269;
-	const float t273 = w10x*w10y;
-	const float t274 = dw10z + t273;
-	const float f10x = RNEA_FMA(2.93f, a10x, RNEA_FMA(-0.1249059f, t267, 0.4960783f*t272));
-	const float f10y = RNEA_FMA(2.93f, a10y, RNEA_FMA(0.4960783f, t268, 0.1249059f*t274));
-	const float f10z = RNEA_FMA(2.93f, a10z, RNEA_FMA(-0.4960783f, t266 + t270, 0.1249059f*t271));
-	const float t275 = RNEA_FMA(-0.022737818f, t274, RNEA_FMA(4e-05f, t271, RNEA_FMA(-0.13314101f, t264,
-		0.13470101f*dw10x)));
-	const float t276 = RNEA_FMA(5e-05f, t273 - dw10z, RNEA_FMA(0.14417575f, dw10y, 0.12366628f*t269));
-	const float t277 = RNEA_FMA(-0.022737818f, t265 - t270, RNEA_FMA(-4e-05f, dw10x + t264, t276));
-	const float t278 = RNEA_FMA(-5e-05f, t272, RNEA_FMA(0.022737818f, t268, RNEA_FMA(0.011034738f, dw10z,
-		0.0094747385f*t273)));
-	const float n10x = RNEA_FMA(-0.4960783f, a10y, RNEA_FMA(-5e-05f, t266 - t265, t275));
-	const float n10y = RNEA_FMA(-0.1249059f, a10z, 0.4960783f*a10x) + t277;
-	const float n10z = RNEA_FMA(0.1249059f, a10y, RNEA_FMA(-4e-05f, t270 - t266, t278));
+	across[21*step] = s10;
+	across[22*step] = c10;
+	const float t248 = a0x - t35;
+	const float t249 = a0y - t38;
+	const float t250 = a0z - t41;
+	const float t251 = RNEA_FMA(4.8965888e-12f, t248, -t250);
+	const float a10z = RNEA_FMA(4.8965888e-12f, t250, t248);
+	const float w10x = RNEA_FMA(t179, c10, qd0wy*s10);
+	const float w10y = RNEA_FMA(s10, -t179, qd0wy*c10);
+	const float w10z = t180 + qd10;
+	const float dw10x = RNEA_FMA(qd10, w10y, RNEA_FMA(t181, c10, qdd0wy*s10));
+	const float dw10y = RNEA_FMA(w10x, -qd10, RNEA_FMA(s10, -t181, qdd0wy*c10));
+	const float dw10z = t182 + qdd10;
+	const float a10x = RNEA_FMA(c10, t251, s10*t249);
+	const float a10y = RNEA_FMA(t251, -s10, c10*t249);
+	const float t252 = w10y*w10z;
+	const float t253 = w10z*w10z;
+	const float t254 = w10y*w10y;
+	const float t255 = t253 + t254;
+	const float t256 = dw10x + t252;
+	const float t257 = w10x*w10z;
+	const float t258 = w10x*w10x;
+	const float t259 = t257 - dw10y;
+	const float t260 = w10x*w10y;
+	const float t261 = t260 - dw10z;
+	const float t262 = dw10z + t260;
+	const float f10x = RNEA_FMA(-0.40642598f, t255, 8.81e-05f*t261);
+	const float f10y = RNEA_FMA(-8.81e-05f, t253 + t258, 0.40642598f*t262);
+	const float f10z = RNEA_FMA(8.81e-05f, t256, 0.40642598f*t259);
+	const float t263 = RNEA_FMA(-0.022737818f, t262, RNEA_FMA(4.7048e-05f, t259, RNEA_FMA(0.18947332f, dw10x,
+		0.255026f*t252)));
+	const float t264 = RNEA_FMA(-0.022737818f, t253 - t258, RNEA_FMA(-4.7048e-05f, t256, RNEA_FMA(-0.06555269f,
+		t257, 5.0000002e-05f*t261)));
+	const float t265 = RNEA_FMA(0.022737818f, t252 - dw10x, RNEA_FMA(-0.18947332f, t260, 0.255026f*dw10z));
+	const float t266 = RNEA_FMA(-4.7048e-05f, t258 - t254, RNEA_FMA(-5.0000002e-05f, dw10y + t257, t265));
+	const float n10x = RNEA_FMA(8.81e-05f, a10z, RNEA_FMA(-5.0000002e-05f, t254 - t253, t263));
+	const float n10y = RNEA_FMA(-0.40642598f, a10z, t264);
+	const float n10z = RNEA_FMA(-8.81e-05f, a10x, 0.40642598f*a10y) + t266;
 	float s11, c11;
 	all_small &= rneagen_sincosf_known(q11, known, sines + 2, &s11, &c11);
-	const float t279 = RNEA_FMA(4.8965888e-12f, w10y, -w10z);
-	const float t280 = RNEA_FMA(4.8965888e-12f, dw10y, -dw10z);
-	const float t281 = RNEA_FMA(-0.08f, t267, a10x);
-	const float t282 = RNEA_FMA(0.08f, t274, a10y);
-	const float t283 = RNEA_FMA(0.08f, t271, a10z);
-	const float t284 = RNEA_FMA(4.8965888e-12f, t282, -t283);
-	const float a11z = RNEA_FMA(4.8965888e-12f, t283, t282);
-	const float w11x = RNEA_FMA(w10x, c11, s11*t279);
-	const float w11y = RNEA_FMA(s11, -w10x, c11*t279);
+	const float t267 = RNEA_FMA(4.8965888e-12f, w10y, -w10z);
+	const float t268 = RNEA_FMA(4.8965888e-12f, dw10y, -dw10z);
+	const float t269 = RNEA_FMA(-0.08f, t255, a10x);
+	const float t270 = RNEA_FMA(0.08f, t262, a10y);
+	const float t271 = RNEA_FMA(0.08f, t259, a10z);
+	const float t272 = RNEA_FMA(4.8965888e-12f, t270, -t271);
+	const float a11z = RNEA_FMA(4.8965888e-12f, t271, t270);
+	const float w11x = RNEA_FMA(w10x, c11, s11*t267);
+	const float w11y = RNEA_FMA(s11, -w10x, c11*t267);
 	const float w11z = qd11 + RNEA_FMA(4.8965888e-12f, w10z, w10y);
-	const float dw11x = RNEA_FMA(qd11, w11y, RNEA_FMA(dw10x, c11, s11*t280));
-	const float dw11y = RNEA_FMA(w11x, -qd11, RNEA_FMA(s11, -dw10x, c11*t280));
+	const float dw11x = RNEA_FMA(qd11, w11y, RNEA_FMA(dw10x, c11, s11*t268));
+	const float dw11y = RNEA_FMA(w11x, -qd11, RNEA_FMA(s11, -dw10x, c11*t268));
 	const float dw11z = qdd11 + RNEA_FMA(4.8965888e-12f, dw10z, dw10y);
-	const float a11x = RNEA_FMA(c11, t281, s11*t284);
-	const float a11y = RNEA_FMA(t281, -s11, c11*t284);
-	const float t285 = w11y*w11z;
-	const float t286 = w11z*w11z;
-	const float t287 = w11y*w11y;
-	const float t288 = t286 + t287;
-	const float t289 = dw11x + t285;
-	const float t290 = w11x*w11z;
-	const float t291 = w11x*w11x;
-	const float t292 = t290 - dw11y;
-	const float t293 = w11x*w11y;
-	const float t294 = t293 - dw11z;
-	const float t295 = dw11z + t293;
-	const float f11x = RNEA_FMA(2.638f, a11x, RNEA_FMA(-0.39765212f, t288, 0.0692475f*t294));
-	const float f11y = RNEA_FMA(2.638f, a11y, RNEA_FMA(-0.0692475f, t286 + t291, 0.39765212f*t295));
-	const float f11z = RNEA_FMA(2.638f, a11z, RNEA_FMA(0.0692475f, t289, 0.39765212f*t292));
-	const float t296 = RNEA_FMA(-0.0001f, t295, RNEA_FMA(0.007418368f, t292, RNEA_FMA(0.005497747f, dw11x,
-		0.0027377468f*t285)));
-	const float t297 = RNEA_FMA(-0.007418368f, t289, RNEA_FMA(-2e-05f, t294, RNEA_FMA(-0.08437208f, t290,
-		0.08713208f*dw11y)));
-	const float t298 = RNEA_FMA(0.0001f, t285 - dw11x, RNEA_FMA(0.08986983f, dw11z, 0.081634335f*t293));
-	const float t299 = RNEA_FMA(-0.007418368f, t291 - t287, RNEA_FMA(2e-05f, dw11y + t290, t298));
-	const float n11x = RNEA_FMA(0.0692475f, a11z, RNEA_FMA(2e-05f, t287 - t286, t296));
-	const float n11y = RNEA_FMA(-0.39765212f, a11z, RNEA_FMA(-0.0001f, t286 - t291, t297));
-	const float n11z = RNEA_FMA(-0.0692475f, a11x, 0.39765212f*a11y) + t299;
+	const float a11x = RNEA_FMA(c11, t269, s11*t272);
+	const float a11y = RNEA_FMA(t269, -s11, c11*t272);
+	const float t273 = w11y*w11z;
+	const float t274 = w11z*w11z;
+	const float t275 = w11y*w11y;
+	const float t276 = t274 + t275;
+	const float t277 = dw11x + t273;
+	const float t278 = w11x*w11z;
+	const float t279 = w11x*w11x;
+	const float t280 = t278 - dw11y;
+	const float t281 = w11x*w11y;
+	const float t282 = t281 - dw11z;
+	const float t283 = dw11z + t281;
+	const float f11x = RNEA_FMA(-0.7060025f, t276, 0.0692475f*t282);
+	const float f11y = RNEA_FMA(-0.0692475f, t274 + t279, 0.7060025f*t283);
+	const float f11z = RNEA_FMA(0.0692475f, t277, 0.7060025f*t280);
+	const float t284 = RNEA_FMA(-0.000130835f, t283, RNEA_FMA(0.007418368f, t280, RNEA_FMA(-0.18955696f, dw11x,
+		0.19779246f*t273)));
+	const float t285 = RNEA_FMA(0.000130835f, t274 - t279, RNEA_FMA(0.007418368f, t277, RNEA_FMA(2e-05f, t282,
+		0.3873494f*t278)));
+	const float t286 = RNEA_FMA(0.000130835f, t273 - dw11x, RNEA_FMA(0.19779246f, dw11z, 0.18955696f*t281));
+	const float t287 = RNEA_FMA(-0.007418368f, t279 - t275, RNEA_FMA(2e-05f, dw11y + t278, t286));
+	const float n11x = RNEA_FMA(0.0692475f, a11z, RNEA_FMA(2e-05f, t275 - t274, t284));
+	const float n11z = RNEA_FMA(-0.0692475f, a11x, 0.7060025f*a11y) + t287;
 	float s12, c12;
 	all_small &= rneagen_sincosf_known(q12, known, sines + 4, &s12, &c12);
-	const float t300 = RNEA_FMA(-0.35f, t288, a11x);
-	const float t301 = RNEA_FMA(0.35f, t295, a11y);
-	const float a12z = RNEA_FMA(0.35f, t292, a11z);
-	const float w12x = RNEA_FMA(w11x, c12, w11y*s12);
-	const float w12y = RNEA_FMA(s12, -w11x, w11y*c12);
+	const float sa12 = RNEA_FMA(-0.00031897824f, c12, 0.99999994f*s12);
+	const float ca12 = RNEA_FMA(0.99999994f, c12, 0.00031897824f*s12);
+	const float a12z = RNEA_FMA(0.35f, t280, a11z);
+	const float w12x = RNEA_FMA(w11x, ca12, w11y*sa12);
+	const float w12y = RNEA_FMA(sa12, -w11x, w11y*ca12);
 	const float w12z = w11z + qd12;
-	const float dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw11x, c12, dw11y*s12));
-	const float dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(s12, -dw11x, dw11y*c12));
+	const float dw12x = RNEA_FMA(qd12, w12y, RNEA_FMA(dw11x, ca12, dw11y*sa12));
+	const float dw12y = RNEA_FMA(w12x, -qd12, RNEA_FMA(sa12, -dw11x, dw11y*ca12));
 	const float dw12z = dw11z + qdd12;
-	const float a12x = RNEA_FMA(c12, t300, s12*t301);
-	const float a12y = RNEA_FMA(t300, -s12, c12*t301);
-	const float t302 = w12y*w12z;
-	const float t303 = w12z*w12z;
-	const float t304 = w12y*w12y;
-	const float t305 = t302 - dw12x;
-	const float t306 = dw12x + t302;
-	const float t307 = w12x*w12z;
-	const float t308 = w12x*w12x;
-	const float t309 = t307 - dw12y;
-	const float t310 = dw12y + t307;
-	const float t311 = w12x*w12y;
-	const float t312 = t311 - dw12z;
-	const float t313 = dw12z + t311;
-	const float t314 = RNEA_FMA(8.81e-05f, t310, -RNEA_FMA(3.524e-05f, t312, 0.110477746f*(t303 + t304)));
-	const float f12x = RNEA_FMA(0.881001f, a12x, t314);
-	const float f12y = RNEA_FMA(0.881001f, a12y, RNEA_FMA(8.81e-05f, t305, RNEA_FMA(3.524e-05f, t303 + t308,
-		0.110477746f*t313)));
-	const float f12z = RNEA_FMA(0.881001f, a12z, RNEA_FMA(-8.81e-05f, t304 + t308, RNEA_FMA(-3.524e-05f, t306,
-		0.110477746f*t309)));
-	const float t315 = RNEA_FMA(-2.04774e-06f, t313, RNEA_FMA(5.4580905e-05f, t309, RNEA_FMA(-0.0002300074f, t302,
-		0.00047101022f*dw12x)));
-	const float t316 = RNEA_FMA(-5.4580905e-05f, t306, RNEA_FMA(9.96476e-07f, t312, RNEA_FMA(-0.025713976f, t307,
-		0.026414994f*dw12y)));
-	const float t317 = RNEA_FMA(-9.96476e-07f, t310, RNEA_FMA(2.04774e-06f, t305, RNEA_FMA(0.026184987f, dw12z,
-		0.025943983f*t311)));
-	const float n12x = RNEA_FMA(-9.96476e-07f, t304 - t303, t315) - RNEA_FMA(3.524e-05f, a12z, 8.81e-05f*a12y);
-	const float n12y = RNEA_FMA(-0.110477746f, a12z, 8.81e-05f*a12x) + RNEA_FMA(-2.04774e-06f, t303 - t308, t316);
-	const float n12z = RNEA_FMA(0.110477746f, a12y, 3.524e-05f*a12x) + RNEA_FMA(-5.4580905e-05f, t308 - t304, t317);
-	const float t318 = RNEA_FMA(s12, f12x, c12*f12y);
-	const float f11x_2 = f11x + RNEA_FMA(-s12, f12y, c12*f12x);
-	const float f11y_2 = f11y + t318;
-	const float f11z_2 = f11z + f12z;
-	const float n11x_2 = n11x + RNEA_FMA(-s12, n12y, c12*n12x);
-	const float n11y_2 = n11y + RNEA_FMA(-0.35f, f12z, RNEA_FMA(s12, n12x, c12*n12y));
-	const float n11z_2 = n11z + RNEA_FMA(0.35f, t318, n12z);
+	const float a12y = RNEA_FMA(RNEA_FMA(-0.35f, t276, a11x), -sa12, ca12*RNEA_FMA(0.35f, t283, a11y));
+	const float t288 = w12y*w12z;
+	const float t289 = w12z*w12z;
+	const float t290 = w12y*w12y;
+	const float t291 = w12x*w12z;
+	const float t292 = w12x*w12x;
+	const float t293 = t291 - dw12y;
+	const float t294 = w12x*w12y;
+	const float t295 = dw12z + t294;
+	const float t296 = 0.11047775f*(t289 + t290);
+	const float f12y = 0.11047775f*t295;
+	const float t297 = RNEA_FMA(-2.047422e-06f, t295, RNEA_FMA(6.285646e-05f, t293, RNEA_FMA(-0.025943909f, dw12x,
+		0.026184987f*t288)));
+	const float n12x = RNEA_FMA(-9.971292e-07f, t290 - t289, t297);
+	const float t298 = RNEA_FMA(-6.285646e-05f, dw12x + t288, RNEA_FMA(-0.052128896f, t291, 9.971292e-07f*(t294
+		- dw12z)));
+	const float t299 = RNEA_FMA(2.047422e-06f, t288 - dw12x, RNEA_FMA(0.026184987f, dw12z, 0.025943909f*t294));
+	const float n12y = RNEA_FMA(-0.11047775f, a12z, RNEA_FMA(-2.047422e-06f, t289 - t292, t298));
+	const float n12z = RNEA_FMA(0.11047775f, a12y, RNEA_FMA(-6.285646e-05f, t292 - t290, RNEA_FMA(-9.971292e-07f,
+		dw12y + t291, t299)));
+	const float t300 = RNEA_FMA(-sa12, t296, ca12*f12y);
+	const float f11x_2 = f11x - RNEA_FMA(ca12, t296, sa12*f12y);
+	const float f11y_2 = f11y + t300;
+	const float f11z_2 = RNEA_FMA(0.11047775f, t293, f11z);
+	const float n11x_2 = n11x + RNEA_FMA(-sa12, n12y, ca12*n12x);
+	const float n11y = RNEA_FMA(-0.038667213f, t293, RNEA_FMA(sa12, n12x, ca12*n12y)) - RNEA_FMA(0.7060025f, a11z,
+		t285);
+	const float n11z_2 = n11z + RNEA_FMA(0.35f, t300, n12z);
 	tau[17*stride] = n12z;
-	const float t319 = RNEA_FMA(s11, f11x_2, c11*f11y_2);
-	const float t320 = RNEA_FMA(s11, n11x_2, c11*n11y_2);
-	const float t321 = RNEA_FMA(4.8965888e-12f, t319, f11z_2);
-	const float t322 = RNEA_FMA(4.8965888e-12f, f11z_2, -t319);
+	const float t301 = RNEA_FMA(s11, f11x_2, c11*f11y_2);
+	const float t302 = RNEA_FMA(s11, n11x_2, c11*n11y);
+	const float t303 = RNEA_FMA(4.8965888e-12f, t301, f11z_2);
+	const float t304 = RNEA_FMA(4.8965888e-12f, f11z_2, -t301);
 	const float f10x_2 = f10x + RNEA_FMA(-s11, f11y_2, c11*f11x_2);
-	const float f10y_2 = f10y + t321;
-	const float f10z_2 = f10z + t322;
-	const float n10x_2 = n10x + RNEA_FMA(-s11, n11y_2, c11*n11x_2);
-	across[20*step] = n10x_2;
-	const float n10y_2 = n10y + RNEA_FMA(-0.08f, t322, RNEA_FMA(4.8965888e-12f, t320, n11z_2));
-	across[21*step] = n10y_2;
-	const float n10z_2 = n10z + RNEA_FMA(0.08f, t321, RNEA_FMA(4.8965888e-12f, n11z_2, -t320));
-	across[22*step] = n10z_2;
+	const float f10y_2 = f10y + t303;
+	const float f10z_2 = f10z + t304;
+	const float n10x_2 = n10x + RNEA_FMA(-s11, n11y, c11*n11x_2);
+	across[23*step] = n10x_2;
+	const float n10y_2 = n10y + RNEA_FMA(-0.08f, t304, RNEA_FMA(4.8965888e-12f, t302, n11z_2));
+	across[24*step] = n10y_2;
+	const float n10z_2 = n10z + RNEA_FMA(0.08f, t303, RNEA_FMA(4.8965888e-12f, n11z_2, -t302));
+	across[25*step] = n10z_2;
 	tau[16*stride] = n11z_2;
-	const float t323 = RNEA_FMA(-s10, f10y_2, c10*f10x_2);
-	const float t324 = RNEA_FMA(s10, f10x_2, c10*f10y_2);
-	across[23*step] = t324;
-	const float t325 = RNEA_FMA(-s10, n10y_2, c10*n10x_2);
-	across[24*step] = t325;
-	const float t326 = RNEA_FMA(4.8965888e-12f, t323, f10z_2);
-	const float t327 = RNEA_FMA(4.8965888e-12f, f10z_2, -t323);
-	across[25*step] = t327;
-	const float t328 = RNEA_FMA(4.8965888e-12f, n10z_2, -t325) + RNEA_FMA(-0.3735f, t324, 0.207f*t326);
-	across[26*step] = t328;
+	const float t305 = RNEA_FMA(-s10, f10y_2, c10*f10x_2);
+	const float t306 = RNEA_FMA(s10, f10x_2, c10*f10y_2);
+	across[26*step] = t306;
+	const float t307 = RNEA_FMA(-s10, n10y_2, c10*n10x_2);
+	across[27*step] = t307;
+	const float t308 = RNEA_FMA(4.8965888e-12f, t305, f10z_2);
+	const float t309 = RNEA_FMA(4.8965888e-12f, f10z_2, -t305);
+	across[28*step] = t309;
+	const float t310 = RNEA_FMA(4.8965888e-12f, n10z_2, -t307) + RNEA_FMA(-0.3735f, t306, 0.207f*t308);
 	tau[15*stride] = n10z_2;
 	RNEA_JOIN();
-	const float t109 = across[step];
-	const float f0x_2 = f0x + t109;
-	const float t184 = across[6*step];
-	const float f0x_3 = f0x_2 + t184;
-	const float t257 = across[15*step];
-	const float f0x_4 = f0x_3 + t257;
-	const float f0x_5 = f0x_4 + t326;
+	const float t105 = across[step];
+	const float f0x_2 = f0x + t105;
+	const float t108 = across[3*step];
+	const float n0z_2 = n0z + t108;
+	const float t175 = across[9*step];
+	const float f0x_3 = f0x_2 + t175;
+	const float t178 = across[11*step];
+	const float n0z_3 = n0z_2 + t178;
+	const float t245 = across[18*step];
+	const float f0x_4 = f0x_3 + t245;
+	const float t247 = across[20*step];
+	const float n0z_4 = n0z_3 + t247;
+	const float f0x_5 = f0x_4 + t308;
+	const float n0z_5 = n0z_4 + t310;
 	tau[0] = f0x_5;
+	tau[5*stride] = n0z_5;
 	(void)all_small;
 }
 
@@ -3511,7 +3433,7 @@ static RNEA_INLINE void hyq_rnea_limb3(const float *q, const float *qd, const fl
    for batches of up to RNEA_LIMBS_MOST samples, beyond which the other kernel is faster. */
 #define RNEA_LIMBS 4
 #define RNEA_LIMBS_GROUPS 2
-#define RNEA_LIMBS_BYTES 3456
+#define RNEA_LIMBS_BYTES 3712
 #define RNEA_LIMBS_MOST 1024
 extern "C" __global__ void __launch_bounds__(32*RNEA_LIMBS*RNEA_LIMBS_GROUPS, 1)
 hyq_rnea_limbs(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
@@ -3521,7 +3443,7 @@ hyq_rnea_limbs(const float *__restrict__ q, const float *__restrict__ qd, const 
 	const unsigned warp = threadIdx.x/32, lane = warp/RNEA_LIMBS*32 + threadIdx.x%32, lanes = blockDim.x/RNEA_LIMBS;
 	const size_t own = (size_t)blockIdx.x*lanes + lane, k = own < count ? own : count - 1; /* lanes to spare do the
 	last sample again */
-	float *const across = hyq_across + lane*27;
+	float *const across = hyq_across + lane*29;
 
 	if (count == 0)
 		return;

@@ -4,7 +4,7 @@
  * from a URDF whose SHA-256 is
  *   a5084a53b69b76ed52287eaa8675aa3a3b92dfec962d22a4e2845fb16fa85d42
  * nq = 19, nv = 18, nb = 13 (moving bodies). Operations:
- *   rnea: 328 mul, 201 add, 106 sub, 93 neg, 575 fma, 12 sincos = 1785 flops
+ *   rnea: 316 mul, 177 add, 106 sub, 88 neg, 507 fma, 12 sincos = 1613 flops
  *   fpass: 339 mul, 136 add, 146 sub, 120 neg, 551 fma, 12 sincos = 1723 flops
  *   bpass: 56 mul, 72 add, 8 sub, 29 neg, 116 fma, 12 sincos = 368 flops
  *   rnea is in 4 segments, each for several samples before the next; 34 values go across cuts
@@ -26,6 +26,10 @@
  *   q[16] qd[15] revolute "rh_haa_joint", rad
  *   q[17] qd[16] revolute "rh_hfe_joint", rad
  *   q[18] qd[17] revolute "rh_kfe_joint", rad
+ * Parameters: base, of urdf with 1785 flops and base with 1613.
+ * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs
+ * feel of it. What the functions take and write is in the URDF's frames.
+ * fpass and bpass are computed by the URDF's constants.
  *
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
@@ -40,6 +44,7 @@
  *                    floating: with x y z qx qy qz qw after the number, and vx vy vz wx wy wz
  *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
  *   s c              sine and cosine of the joint's angle
+ *   sa ca            of the joint's angle and a constant one, by which the link's frame is turned ahead
  *   w                angular velocity
  *   dw               rate of the angular velocity
  *   v                velocity of the origin

@@ -4,7 +4,7 @@
  * from a URDF whose SHA-256 is
  *   3dc35ec11ee3cf7d342c4a232b5e252a8ce4e2a0dcf7fc31691d88eb2f52f8d6
  * nq = 7, nv = 7, nb = 7 (moving bodies). Operations:
- *   rnea: 125 mul, 60 add, 18 sub, 36 neg, 163 fma, 6 sincos = 529 flops
+ *   rnea: 96 mul, 34 add, 24 sub, 30 neg, 120 fma, 6 sincos = 394 flops
  *   fpass: 150 mul, 47 add, 29 sub, 33 neg, 153 fma, 6 sincos = 532 flops
  *   bpass: 20 mul, 23 add, 4 sub, 10 neg, 30 fma, 6 sincos = 107 flops
  *
@@ -16,6 +16,10 @@
  *   q[4] qd[4] revolute "iiwa_joint_5", rad
  *   q[5] qd[5] revolute "iiwa_joint_6", rad
  *   q[6] qd[6] revolute "iiwa_joint_7", rad
+ * Parameters: base, of urdf with 529 flops and base with 394.
+ * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs
+ * feel of it. What the functions take and write is in the URDF's frames.
+ * fpass and bpass are computed by the URDF's constants.
  *
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
@@ -97,20 +101,16 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	const double a2y = 9.81*c2;
 	const double t3 = qd2*qd2;
 	const double t4 = w2y*w2y;
-	const double t5 = t1 + dw2x;
-	const double t6 = w2x*w2x;
-	const double t7 = t3 + t6;
-	const double t8 = w2x*w2y;
-	const double t9 = t8 - qdd2;
-	const double t10 = RNEA_FMA(0.042, t2 + dw2y, RNEA_FMA(-0.0003, t3 + t4, 0.059*t9));
-	const double t11 = RNEA_FMA(0.042, t1 - dw2x, RNEA_FMA(-0.059, t7, 0.0003*(qdd2 + t8)));
-	const double t12 = RNEA_FMA(-0.042, t4 + t6, RNEA_FMA(0.059, t5, 0.0003*(t2 - dw2y)));
-	const double t13 = a2x + t10;
-	const double t14 = a2y + t11;
-	const double n2x = RNEA_FMA(-0.2667, t14, 0.37465*t12) + RNEA_FMA(0.0305, dw2x, 0.0194*t1);
-	const double n2y = RNEA_FMA(-0.0019049999999999998, t12, 0.2667*t13) + RNEA_FMA(0.011, dw2y,
-		9.99999999999994e-05*t2);
-	const double n2z = RNEA_FMA(-0.37465, t13, 0.0019049999999999998*t14) + RNEA_FMA(-0.0195, t8, 0.0304*qdd2);
+	const double t5 = w2x*w2x;
+	const double t6 = w2x*w2y;
+	const double t7 = RNEA_FMA(0.00011239499999999998, t2 - dw2y, RNEA_FMA(2.2210196535, dw2x, 2.2319207965*t1));
+	const double n2x = RNEA_FMA(-0.0157353, t4 - t3, RNEA_FMA(-8.000999999999999e-05, qdd2 + t6, t7));
+	const double t8 = RNEA_FMA(-0.00011239499999999998, t1 + dw2x, RNEA_FMA(-0.010901143, t2, 0.0157353*(t6
+		- qdd2)));
+	const double n2y = RNEA_FMA(-8.000999999999999e-05, t3 - t5, t8);
+	const double t9 = RNEA_FMA(8.000999999999999e-05, t1 - dw2x, RNEA_FMA(-2.2210196535, t6, 2.2319207965*qdd2));
+	const double t10 = RNEA_FMA(-0.00011239499999999998, t5 - t4, RNEA_FMA(-0.0157353, t2 + dw2y, t9));
+	const double n2z = RNEA_FMA(-56.362374, s2, 0.018688049999999998*c2) + t10;
 
 	/* ---- out to link 3 "iiwa_link_3" (fpass) ---- */
 	const double q3 = q[2*stride];
@@ -118,30 +118,24 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
-	const double t15 = 0.2045*t5;
-	const double t16 = RNEA_FMA(0.2045, t9, a2x);
-	const double a3z = RNEA_FMA(-0.2045, t7, a2y);
 	const double w3x = RNEA_FMA(c3, -w2x, qd2*s3);
 	const double w3y = RNEA_FMA(w2x, s3, qd2*c3);
 	const double w3z = w2y + qd3;
 	const double dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(c3, -dw2x, qdd2*s3));
 	const double dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(dw2x, s3, qdd2*c3));
 	const double dw3z = dw2y + qdd3;
-	const double a3x = RNEA_FMA(t16, -c3, s3*t15);
-	const double a3y = RNEA_FMA(s3, t16, c3*t15);
-	const double t17 = w3y*w3z;
-	const double t18 = t17 - dw3x;
-	const double t19 = w3x*w3z;
-	const double t20 = w3x*w3x;
-	const double t21 = dw3y + t19;
-	const double t22 = w3x*w3y;
-	const double t23 = RNEA_FMA(w3y, w3y, t20);
-	const double t24 = a3x + RNEA_FMA(0.13, t21, 0.03*(t22 - dw3z));
-	const double t25 = a3y + RNEA_FMA(-0.03, RNEA_FMA(w3z, w3z, t20), 0.13*t18);
-	const double t26 = 0.105*(a3z + RNEA_FMA(-0.13, t23, 0.03*(dw3x + t17)));
-	const double n3x = RNEA_FMA(-0.455, t25, t26) + RNEA_FMA(-0.016200000000000003, t17, 0.025*dw3x);
-	const double n3y = RNEA_FMA(0.455, t24, RNEA_FMA(0.0238, dw3y, 0.017400000000000002*t19));
-	const double n3z = RNEA_FMA(-0.105, t24, RNEA_FMA(-0.0011999999999999997, t22, 0.0076*dw3z));
+	const double t11 = a2x*c3;
+	const double a3y = a2x*s3;
+	const double t12 = w3y*w3z;
+	const double t13 = w3y*w3y;
+	const double t14 = w3x*w3z;
+	const double t15 = dw3y + t14;
+	const double t16 = w3x*w3y;
+	const double t17 = RNEA_FMA(0.014857500000000004, RNEA_FMA(w3z, -w3z, t13), RNEA_FMA(0.014396, dw3x,
+		0.020796000000000002*t12));
+	const double n3x = RNEA_FMA(-0.13734000000000013, c2, t17);
+	const double n3z = RNEA_FMA(-0.014000000000000012, t11, RNEA_FMA(0.014857500000000004, t15, RNEA_FMA(-0.014396,
+		t16, 0.020796000000000002*dw3z)));
 
 	/* ---- out to link 4 "iiwa_link_4" (fpass) ---- */
 	const double q4 = q[3*stride];
@@ -149,31 +143,30 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
-	const double t27 = RNEA_FMA(0.2155, t21, a3x);
-	const double t28 = RNEA_FMA(0.2155, t18, a3y);
-	const double t29 = RNEA_FMA(-0.2155, t23, a3z);
+	const double t18 = RNEA_FMA(0.42, t15, -t11);
+	const double t19 = RNEA_FMA(0.42, t12 - dw3x, a3y);
+	const double t20 = RNEA_FMA(-0.42, RNEA_FMA(w3x, w3x, t13), a2y);
 	const double w4x = RNEA_FMA(w3x, c4, w3z*s4);
 	const double w4y = RNEA_FMA(s4, -w3x, w3z*c4);
 	const double w4z = qd4 - w3y;
 	const double dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(dw3x, c4, dw3z*s4));
 	const double dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(s4, -dw3x, dw3z*c4));
 	const double dw4z = qdd4 - dw3y;
-	const double a4x = RNEA_FMA(c4, t27, s4*t29);
-	const double a4y = RNEA_FMA(t27, -s4, c4*t29);
-	const double t30 = w4y*w4z;
-	const double t31 = dw4x + t30;
-	const double t32 = w4x*w4z;
-	const double t33 = w4x*w4x;
-	const double t34 = RNEA_FMA(w4z, w4z, t33);
-	const double t35 = w4x*w4y;
-	const double t36 = t35 - dw4z;
-	const double t37 = a4x + RNEA_FMA(0.034, dw4y + t32, 0.067*t36);
-	const double t38 = a4y + RNEA_FMA(-0.067, t34, 0.034*(t30 - dw4x));
-	const double t39 = RNEA_FMA(-0.034, RNEA_FMA(w4y, w4y, t33), 0.067*t31) - t28;
-	const double n4x = RNEA_FMA(-0.11900000000000001, t38, 0.23450000000000001*t39) + RNEA_FMA(0.017, dw4x,
-		0.010400000000000001*t30);
-	const double n4y = RNEA_FMA(0.11900000000000001, t37, RNEA_FMA(0.006, dw4y, 0.0005999999999999998*t32));
-	const double n4z = RNEA_FMA(-0.23450000000000001, t37, RNEA_FMA(-0.011000000000000001, t35, 0.0164*dw4z));
+	const double a4x = RNEA_FMA(c4, t18, s4*t20);
+	const double a4y = RNEA_FMA(t18, -s4, c4*t20);
+	const double t21 = w4y*w4z;
+	const double t22 = w4z*w4z;
+	const double t23 = dw4x + t21;
+	const double t24 = w4x*w4z;
+	const double t25 = RNEA_FMA(w4x, w4x, t22);
+	const double t26 = w4x*w4y;
+	const double t27 = t26 - dw4z;
+	const double t28 = RNEA_FMA(-0.007973000000000001, RNEA_FMA(w4y, w4y, -t22), RNEA_FMA(0.7529224099999999, dw4x,
+		0.75832241*t21));
+	const double n4y = RNEA_FMA(-0.0054, t24, 0.007973000000000001*t27);
+	const double n4x = RNEA_FMA(-2.34625, t19, t28);
+	const double n4z = RNEA_FMA(-2.34625, a4x, RNEA_FMA(-0.007973000000000001, dw4y + t24,
+		RNEA_FMA(-0.7529224099999999, t26, 0.75832241*dw4z)));
 
 	/* ---- out to link 5 "iiwa_link_5" (fpass) ---- */
 	const double q5 = q[4*stride];
@@ -181,37 +174,38 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_known(q5, known, sines + 6, &s5, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
-	const double t40 = RNEA_FMA(0.1845, t36, a4x);
-	const double a5z = RNEA_FMA(-0.1845, t34, a4y);
-	const double t41 = RNEA_FMA(0.1845, t31, -t28);
+	const double t29 = RNEA_FMA(0.4, t27, a4x);
+	const double a5z = RNEA_FMA(-0.4, t25, a4y);
+	const double t30 = RNEA_FMA(0.4, t23, -t19);
 	const double w5x = RNEA_FMA(c5, -w4x, w4z*s5);
 	const double w5y = RNEA_FMA(w4x, s5, w4z*c5);
 	const double w5z = w4y + qd5;
 	const double dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(c5, -dw4x, dw4z*s5));
 	const double dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(dw4x, s5, dw4z*c5));
 	const double dw5z = dw4y + qdd5;
-	const double a5x = RNEA_FMA(t40, -c5, s5*t41);
-	const double a5y = RNEA_FMA(s5, t40, c5*t41);
-	const double t42 = w5y*w5z;
-	const double t43 = w5z*w5z;
-	const double t44 = w5y*w5y;
-	const double t45 = t42 - dw5x;
-	const double t46 = w5x*w5z;
-	const double t47 = w5x*w5x;
-	const double t48 = dw5y + t46;
-	const double t49 = w5x*w5y;
-	const double t50 = t44 + t47;
-	const double t51 = RNEA_FMA(0.076, t48, RNEA_FMA(-0.0001, t43 + t44, 0.021*(t49 - dw5z)));
-	const double t52 = RNEA_FMA(0.076, t45, RNEA_FMA(-0.021, t43 + t47, 0.0001*(dw5z + t49)));
-	const double t53 = RNEA_FMA(-0.076, t50, RNEA_FMA(0.021, dw5x + t42, 0.0001*(t46 - dw5y)));
-	const double t54 = a5x + t51;
-	const double t55 = a5y + t52;
-	const double t56 = a5z + t53;
-	const double n5x = RNEA_FMA(-0.266, t55, 0.07350000000000001*t56) + RNEA_FMA(-0.004209999999999999, t42,
-		0.01*dw5x);
-	const double n5y = RNEA_FMA(-0.00035, t56, 0.266*t54) + RNEA_FMA(0.0087, dw5y, 0.00551*t46);
-	const double n5z = RNEA_FMA(-0.07350000000000001, t54, 0.00035*t55) + RNEA_FMA(-0.0013000000000000008, t49,
-		0.00449*dw5z);
+	const double a5x = RNEA_FMA(t29, -c5, s5*t30);
+	const double a5y = RNEA_FMA(s5, t29, c5*t30);
+	const double t31 = w5y*w5z;
+	const double t32 = w5z*w5z;
+	const double t33 = w5y*w5y;
+	const double t34 = dw5x + t31;
+	const double t35 = w5x*w5z;
+	const double t36 = w5x*w5x;
+	const double t37 = t35 - dw5y;
+	const double t38 = w5x*w5y;
+	const double t39 = t38 - dw5z;
+	const double t40 = dw5z + t38;
+	const double f5x = RNEA_FMA(-0.00035, t32 + t33, 0.07278000000000001*t39);
+	const double f5y = RNEA_FMA(-0.07278000000000001, t32 + t36, 0.00035*t40);
+	const double f5z = RNEA_FMA(0.07278000000000001, t34, 0.00035*t37);
+	const double t41 = RNEA_FMA(4.8825e-05, t40, RNEA_FMA(7.350000000000001e-06, t37, RNEA_FMA(0.007543753000000001,
+		dw5x, 0.010733823*t31)));
+	const double t42 = -RNEA_FMA(7.350000000000001e-06, t34, RNEA_FMA(0.01025325, t39, 0.0031900699999999993*t35));
+	const double t43 = RNEA_FMA(-4.8825e-05, t31 - dw5x, RNEA_FMA(-0.007543753000000001, t38, 0.010733823*dw5z));
+	const double t44 = RNEA_FMA(-7.350000000000001e-06, t36 - t33, RNEA_FMA(0.01025325, dw5y + t35, t43));
+	const double n5x = RNEA_FMA(0.07278000000000001, a5z, RNEA_FMA(0.01025325, t33 - t32, t41));
+	const double n5y = RNEA_FMA(-0.00035, a5z, RNEA_FMA(4.8825e-05, t32 - t36, t42));
+	const double n5z = RNEA_FMA(-0.07278000000000001, a5x, 0.00035*a5y) + t44;
 
 	/* ---- out to link 6 "iiwa_link_6" (fpass) ---- */
 	const double q6 = q[5*stride];
@@ -219,31 +213,25 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_known(q6, known, sines + 8, &s6, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
-	const double t57 = RNEA_FMA(0.2155, t48, a5x);
-	const double t58 = RNEA_FMA(0.2155, t45, a5y);
-	const double t59 = RNEA_FMA(-0.2155, t50, a5z);
 	const double w6x = RNEA_FMA(w5x, c6, w5z*s6);
 	const double w6y = RNEA_FMA(s6, -w5x, w5z*c6);
 	const double w6z = qd6 - w5y;
 	const double dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5z*s6));
 	const double dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5z*c6));
 	const double dw6z = qdd6 - dw5y;
-	const double a6x = RNEA_FMA(c6, t57, s6*t59);
-	const double a6y = RNEA_FMA(t57, -s6, c6*t59);
-	const double t60 = w6y*w6z;
-	const double t61 = dw6x + t60;
-	const double t62 = w6x*w6z;
-	const double t63 = w6x*w6x;
-	const double t64 = RNEA_FMA(w6z, w6z, t63);
-	const double t65 = w6x*w6y;
-	const double t66 = t65 - dw6z;
-	const double t67 = a6x + RNEA_FMA(0.0004, dw6y + t62, 0.0006*t66);
-	const double t68 = a6y + RNEA_FMA(-0.0006, t64, 0.0004*(t60 - dw6x));
-	const double t69 = RNEA_FMA(-0.0004, RNEA_FMA(w6y, w6y, t63), 0.0006*t61) - t58;
-	const double f6y = 1.8*t68;
-	const double n6x = RNEA_FMA(-0.00072, t68, 0.00108*t69) + RNEA_FMA(-0.0011000000000000003, t60, 0.0049*dw6x);
-	const double n6y = RNEA_FMA(0.00072, t67, RNEA_FMA(0.0047, dw6y, 0.0013*t62));
-	const double n6z = RNEA_FMA(-0.00108, t67, RNEA_FMA(-0.00019999999999999966, t65, 0.0036*dw6z));
+	const double a6x = RNEA_FMA(a5x, c6, a5z*s6);
+	const double t45 = w6y*w6z;
+	const double t46 = w6z*w6z;
+	const double t47 = w6x*w6z;
+	const double t48 = w6x*w6y;
+	const double t49 = t48 - dw6z;
+	const double f6x = 0.12228*t49;
+	const double t50 = 0.12228*RNEA_FMA(w6x, w6x, t46);
+	const double t51 = RNEA_FMA(-4.32e-07, RNEA_FMA(w6y, w6y, -t46), RNEA_FMA(0.013441848, dw6x, 0.016841848*t45));
+	const double n6y = RNEA_FMA(-0.0034000000000000002, t47, 4.32e-07*t49);
+	const double n6x = RNEA_FMA(-0.12228, a5y, t51);
+	const double n6z = RNEA_FMA(-0.12228, a6x, RNEA_FMA(-4.32e-07, dw6y + t47, RNEA_FMA(-0.013441848, t48,
+		0.016841848*dw6z)));
 
 	/* ---- out to link 7 "iiwa_link_7" (fpass) ---- */
 	const double q7 = q[6*stride];
@@ -251,79 +239,57 @@ static RNEA_INLINE int iiwa14_rnea_body(const double *q, const double *qd, const
 	all_small &= rneagen_sincos_known(q7, known, sines + 10, &s7, &c7);
 	const double qd7 = qd[6*stride];
 	const double qdd7 = qdd[6*stride];
-	const double t70 = RNEA_FMA(0.081, t66, a6x);
-	const double a7z = RNEA_FMA(-0.081, t64, a6y);
-	const double t71 = RNEA_FMA(0.081, t61, -t58);
 	const double w7x = RNEA_FMA(c7, -w6x, w6z*s7);
 	const double w7y = RNEA_FMA(w6x, s7, w6z*c7);
 	const double w7z = w6y + qd7;
-	const double dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, -dw6x, dw6z*s7));
-	const double dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(dw6x, s7, dw6z*c7));
 	const double dw7z = dw6y + qdd7;
-	const double a7x = RNEA_FMA(t70, -c7, s7*t71);
-	const double a7y = RNEA_FMA(s7, t70, c7*t71);
-	const double t72 = RNEA_FMA(0.02, RNEA_FMA(w7x, w7z, dw7y), a7x);
-	const double t73 = RNEA_FMA(0.02, RNEA_FMA(w7y, w7z, -dw7x), a7y);
-	const double f7x = 1.2*t72;
-	const double f7y = 1.2*t73;
+	const double n7x = 0.001*(w7y*w7z);
+	const double t52 = 0.001*(w7x*w7z);
 	const double n7z = 0.001*dw7z;
-	const double n7x = RNEA_FMA(-0.024, t73, 0.001*dw7x);
-	const double n7y = RNEA_FMA(0.001, dw7y, 0.024*t72);
 
 	/* ---- back from link 7 "iiwa_link_7" to link 6 (bpass): torque of "iiwa_joint_7" ---- */
 	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
-	const double t74 = RNEA_FMA(f7y, -s7, c7*f7x);
-	const double t75 = RNEA_FMA(s7, f7x, c7*f7y);
-	const double f6x = RNEA_FMA(1.8, t67, -t74);
-	const double f6y_2 = RNEA_FMA(1.2, RNEA_FMA(-0.02, RNEA_FMA(w7x, w7x, w7y*w7y), a7z), f6y);
-	const double f6z = RNEA_FMA(1.8, t69, t75);
-	const double t76 = RNEA_FMA(0.081, t75, -RNEA_FMA(n7y, -s7, c7*n7x));
-	const double n6x_2 = n6x + t76;
+	const double n6x_2 = n6x - RNEA_FMA(c7, n7x, s7*t52);
 	const double n6y_2 = n6y + n7z;
-	const double n6z_2 = n6z + RNEA_FMA(0.081, t74, RNEA_FMA(s7, n7x, c7*n7y));
+	const double n6z_2 = n6z + RNEA_FMA(t52, -c7, s7*n7x);
 	tau[6*stride] = n7z;
 
 	/* ---- back from link 6 "iiwa_link_6" to link 5 (bpass): torque of "iiwa_joint_6" ---- */
-	const double t77 = RNEA_FMA(-s6, f6y_2, c6*f6x);
-	const double f5x = RNEA_FMA(3.5, t54, t77);
-	const double f5y = RNEA_FMA(3.5, t55, -f6z);
-	const double f5z = RNEA_FMA(3.5, t56, RNEA_FMA(s6, f6x, c6*f6y_2));
-	const double n5x_2 = n5x + RNEA_FMA(0.2155, f6z, RNEA_FMA(-s6, n6y_2, c6*n6x_2));
-	const double n5y_2 = n5y + RNEA_FMA(0.2155, t77, -n6z_2);
+	const double f5x_2 = f5x + RNEA_FMA(c6, f6x, s6*t50);
+	const double f5y_2 = RNEA_FMA(-0.12228, dw6x + t45, f5y);
+	const double f5z_2 = f5z + RNEA_FMA(t50, -c6, s6*f6x);
+	const double n5x_2 = n5x + RNEA_FMA(n6y_2, -s6, c6*n6x_2);
+	const double n5y_2 = n5y - n6z_2;
 	const double n5z_2 = n5z + RNEA_FMA(s6, n6x_2, c6*n6y_2);
 	tau[5*stride] = n6z_2;
 
 	/* ---- back from link 5 "iiwa_link_5" to link 4 (bpass): torque of "iiwa_joint_5" ---- */
-	const double t78 = RNEA_FMA(f5y, -s5, c5*f5x);
-	const double t79 = RNEA_FMA(s5, f5x, c5*f5y);
-	const double f4x = RNEA_FMA(3.5, t37, -t78);
-	const double f4y = RNEA_FMA(3.5, t38, f5z);
-	const double f4z = RNEA_FMA(3.5, t39, t79);
-	const double t80 = RNEA_FMA(0.1845, t79, -RNEA_FMA(n5y_2, -s5, c5*n5x_2));
-	const double n4x_2 = n4x + t80;
+	const double t53 = RNEA_FMA(f5y_2, -s5, c5*f5x_2);
+	const double t54 = RNEA_FMA(s5, f5x_2, c5*f5y_2);
+	const double f4x = RNEA_FMA(2.34625, t27, -t53);
+	const double f4y = RNEA_FMA(-2.34625, t25, f5z_2);
+	const double f4z = RNEA_FMA(2.34625, t23, t54);
+	const double t55 = RNEA_FMA(0.4, t54, -RNEA_FMA(n5y_2, -s5, c5*n5x_2));
+	const double n4x_2 = n4x + t55;
 	const double n4y_2 = n4y + n5z_2;
-	const double n4z_2 = n4z + RNEA_FMA(0.1845, t78, RNEA_FMA(s5, n5x_2, c5*n5y_2));
+	const double n4z_2 = n4z + RNEA_FMA(0.4, t53, RNEA_FMA(s5, n5x_2, c5*n5y_2));
 	tau[4*stride] = n5z_2;
 
 	/* ---- back from link 4 "iiwa_link_4" to link 3 (bpass): torque of "iiwa_joint_4" ---- */
-	const double t81 = RNEA_FMA(-s4, f4y, c4*f4x);
-	const double f3x = RNEA_FMA(3.5, t24, t81);
-	const double f3y = RNEA_FMA(3.5, t25, -f4z);
-	const double n3x_2 = n3x + RNEA_FMA(0.2155, f4z, RNEA_FMA(-s4, n4y_2, c4*n4x_2));
-	const double n3y_2 = n3y + RNEA_FMA(0.2155, t81, -n4z_2);
+	const double t56 = RNEA_FMA(0.42, RNEA_FMA(-s4, f4y, c4*f4x), -n4z_2);
+	const double n3x_2 = n3x + RNEA_FMA(0.42, f4z, RNEA_FMA(-s4, n4y_2, c4*n4x_2));
+	const double n3y = t56 - RNEA_FMA(0.014857500000000004, t16 - dw3z, 0.0064*t14);
 	const double n3z_2 = n3z + RNEA_FMA(s4, n4x_2, c4*n4y_2);
 	tau[3*stride] = n4z_2;
 
 	/* ---- back from link 3 "iiwa_link_3" to link 2 (bpass): torque of "iiwa_joint_3" ---- */
-	const double t82 = RNEA_FMA(f3y, -s3, c3*f3x);
-	const double t83 = -RNEA_FMA(n3y_2, -s3, c3*n3x_2);
-	const double n2x_2 = n2x + RNEA_FMA(0.2045, RNEA_FMA(s3, f3x, c3*f3y), t83);
+	const double n2x_2 = n2x - RNEA_FMA(n3y, -s3, c3*n3x_2);
 	const double n2y_2 = n2y + n3z_2;
-	const double n2z_2 = n2z + RNEA_FMA(0.2045, t82, RNEA_FMA(s3, n3x_2, c3*n3y_2));
+	const double n2z_2 = n2z + RNEA_FMA(s3, n3x_2, c3*n3y);
 	tau[2*stride] = n3z_2;
 
 	/* ---- back from link 2 "iiwa_link_2" to link 1 (bpass): torque of "iiwa_joint_2" ---- */
-	const double n1z = RNEA_FMA(0.017484, qdd1, RNEA_FMA(s2, n2x_2, c2*n2y_2));
+	const double n1z = RNEA_FMA(0.0396859715, qdd1, RNEA_FMA(s2, n2x_2, c2*n2y_2));
 	tau[stride] = n2z_2;
 
 	/* ---- back from link 1 "iiwa_link_1" to the world (bpass): torque of "iiwa_joint_1" ---- */
@@ -1087,7 +1053,7 @@ RNEA_INFO const char iiwa14_info[] =
 	"input qd 7 f64 sample joint_velocity\n"
 	"input qdd 7 f64 sample joint_acceleration\n"
 	"output tau 7 f64 sample joint_torque\n"
-	"operations 125 60 18 36 163 6\n"
+	"operations 96 34 24 30 120 6\n"
 	"function fpass\n"
 	"input q 7 f64 sample joint_position\n"
 	"input qd 7 f64 sample joint_velocity\n"

@@ -4,7 +4,7 @@
  * from a URDF whose SHA-256 is
  *   3dc35ec11ee3cf7d342c4a232b5e252a8ce4e2a0dcf7fc31691d88eb2f52f8d6
  * nq = 7, nv = 7, nb = 7 (moving bodies). Operations:
- *   rnea: 125 mul, 60 add, 18 sub, 36 neg, 163 fma, 6 sincos = 529 flops
+ *   rnea: 96 mul, 34 add, 24 sub, 30 neg, 120 fma, 6 sincos = 394 flops
  *   fpass: 150 mul, 47 add, 29 sub, 33 neg, 153 fma, 6 sincos = 532 flops
  *   bpass: 20 mul, 23 add, 4 sub, 10 neg, 30 fma, 6 sincos = 107 flops
  *
@@ -16,6 +16,10 @@
  *   q[4] qd[4] revolute "iiwa_joint_5", rad
  *   q[5] qd[5] revolute "iiwa_joint_6", rad
  *   q[6] qd[6] revolute "iiwa_joint_7", rad
+ * Parameters: base, of urdf with 529 flops and base with 394.
+ * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs
+ * feel of it. What the functions take and write is in the URDF's frames.
+ * fpass and bpass are computed by the URDF's constants.
  *
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
@@ -104,19 +108,15 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 	const float a2y = 9.81f*c2;
 	const float t3 = qd2*qd2;
 	const float t4 = w2y*w2y;
-	const float t5 = t1 + dw2x;
-	const float t6 = w2x*w2x;
-	const float t7 = t3 + t6;
-	const float t8 = w2x*w2y;
-	const float t9 = t8 - qdd2;
-	const float t10 = RNEA_FMA(0.042f, t2 + dw2y, RNEA_FMA(-0.0003f, t3 + t4, 0.059f*t9));
-	const float t11 = RNEA_FMA(0.042f, t1 - dw2x, RNEA_FMA(-0.059f, t7, 0.0003f*(qdd2 + t8)));
-	const float t12 = RNEA_FMA(-0.042f, t4 + t6, RNEA_FMA(0.059f, t5, 0.0003f*(t2 - dw2y)));
-	const float t13 = a2x + t10;
-	const float t14 = a2y + t11;
-	const float n2x = RNEA_FMA(-0.2667f, t14, 0.37465f*t12) + RNEA_FMA(0.0305f, dw2x, 0.0194f*t1);
-	const float n2y = RNEA_FMA(-0.001905f, t12, 0.2667f*t13) + RNEA_FMA(0.011f, dw2y, 0.0001f*t2);
-	const float n2z = RNEA_FMA(-0.37465f, t13, 0.001905f*t14) + RNEA_FMA(-0.0195f, t8, 0.0304f*qdd2);
+	const float t5 = w2x*w2x;
+	const float t6 = w2x*w2y;
+	const float t7 = RNEA_FMA(0.000112395f, t2 - dw2y, RNEA_FMA(2.2210197f, dw2x, 2.2319207f*t1));
+	const float n2x = RNEA_FMA(-0.0157353f, t4 - t3, RNEA_FMA(-8.001e-05f, qdd2 + t6, t7));
+	const float t8 = RNEA_FMA(-0.000112395f, t1 + dw2x, RNEA_FMA(-0.010901143f, t2, 0.0157353f*(t6 - qdd2)));
+	const float n2y = RNEA_FMA(-8.001e-05f, t3 - t5, t8);
+	const float t9 = RNEA_FMA(8.001e-05f, t1 - dw2x, RNEA_FMA(-2.2210197f, t6, 2.2319207f*qdd2));
+	const float t10 = RNEA_FMA(-0.000112395f, t5 - t4, RNEA_FMA(-0.0157353f, t2 + dw2y, t9));
+	const float n2z = RNEA_FMA(-56.362373f, s2, 0.01868805f*c2) + t10;
 
 	/* ---- out to link 3 "iiwa_link_3" (fpass) ---- */
 	const float q3 = q[2*stride];
@@ -124,30 +124,22 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_known(q3, known, sines + 2, &s3, &c3);
 	const float qd3 = qd[2*stride];
 	const float qdd3 = qdd[2*stride];
-	const float t15 = 0.2045f*t5;
-	const float t16 = RNEA_FMA(0.2045f, t9, a2x);
-	const float a3z = RNEA_FMA(-0.2045f, t7, a2y);
 	const float w3x = RNEA_FMA(c3, -w2x, qd2*s3);
 	const float w3y = RNEA_FMA(w2x, s3, qd2*c3);
 	const float w3z = w2y + qd3;
 	const float dw3x = RNEA_FMA(qd3, w3y, RNEA_FMA(c3, -dw2x, qdd2*s3));
 	const float dw3y = RNEA_FMA(w3x, -qd3, RNEA_FMA(dw2x, s3, qdd2*c3));
 	const float dw3z = dw2y + qdd3;
-	const float a3x = RNEA_FMA(t16, -c3, s3*t15);
-	const float a3y = RNEA_FMA(s3, t16, c3*t15);
-	const float t17 = w3y*w3z;
-	const float t18 = t17 - dw3x;
-	const float t19 = w3x*w3z;
-	const float t20 = w3x*w3x;
-	const float t21 = dw3y + t19;
-	const float t22 = w3x*w3y;
-	const float t23 = RNEA_FMA(w3y, w3y, t20);
-	const float t24 = a3x + RNEA_FMA(0.13f, t21, 0.03f*(t22 - dw3z));
-	const float t25 = a3y + RNEA_FMA(-0.03f, RNEA_FMA(w3z, w3z, t20), 0.13f*t18);
-	const float t26 = 0.105f*(a3z + RNEA_FMA(-0.13f, t23, 0.03f*(dw3x + t17)));
-	const float n3x = RNEA_FMA(-0.455f, t25, t26) + RNEA_FMA(-0.0162f, t17, 0.025f*dw3x);
-	const float n3y = RNEA_FMA(0.455f, t24, RNEA_FMA(0.0238f, dw3y, 0.0174f*t19));
-	const float n3z = RNEA_FMA(-0.105f, t24, RNEA_FMA(-0.0012f, t22, 0.0076f*dw3z));
+	const float t11 = a2x*c3;
+	const float a3y = a2x*s3;
+	const float t12 = w3y*w3z;
+	const float t13 = w3y*w3y;
+	const float t14 = w3x*w3z;
+	const float t15 = dw3y + t14;
+	const float t16 = w3x*w3y;
+	const float t17 = RNEA_FMA(0.0148575f, RNEA_FMA(w3z, -w3z, t13), RNEA_FMA(0.014396f, dw3x, 0.020796f*t12));
+	const float n3x = RNEA_FMA(-0.13734f, c2, t17);
+	const float n3z = RNEA_FMA(-0.014f, t11, RNEA_FMA(0.0148575f, t15, RNEA_FMA(-0.014396f, t16, 0.020796f*dw3z)));
 
 	/* ---- out to link 4 "iiwa_link_4" (fpass) ---- */
 	const float q4 = q[3*stride];
@@ -155,30 +147,29 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_known(q4, known, sines + 4, &s4, &c4);
 	const float qd4 = qd[3*stride];
 	const float qdd4 = qdd[3*stride];
-	const float t27 = RNEA_FMA(0.2155f, t21, a3x);
-	const float t28 = RNEA_FMA(0.2155f, t18, a3y);
-	const float t29 = RNEA_FMA(-0.2155f, t23, a3z);
+	const float t18 = RNEA_FMA(0.42f, t15, -t11);
+	const float t19 = RNEA_FMA(0.42f, t12 - dw3x, a3y);
+	const float t20 = RNEA_FMA(-0.42f, RNEA_FMA(w3x, w3x, t13), a2y);
 	const float w4x = RNEA_FMA(w3x, c4, w3z*s4);
 	const float w4y = RNEA_FMA(s4, -w3x, w3z*c4);
 	const float w4z = qd4 - w3y;
 	const float dw4x = RNEA_FMA(qd4, w4y, RNEA_FMA(dw3x, c4, dw3z*s4));
 	const float dw4y = RNEA_FMA(w4x, -qd4, RNEA_FMA(s4, -dw3x, dw3z*c4));
 	const float dw4z = qdd4 - dw3y;
-	const float a4x = RNEA_FMA(c4, t27, s4*t29);
-	const float a4y = RNEA_FMA(t27, -s4, c4*t29);
-	const float t30 = w4y*w4z;
-	const float t31 = dw4x + t30;
-	const float t32 = w4x*w4z;
-	const float t33 = w4x*w4x;
-	const float t34 = RNEA_FMA(w4z, w4z, t33);
-	const float t35 = w4x*w4y;
-	const float t36 = t35 - dw4z;
-	const float t37 = a4x + RNEA_FMA(0.034f, dw4y + t32, 0.067f*t36);
-	const float t38 = a4y + RNEA_FMA(-0.067f, t34, 0.034f*(t30 - dw4x));
-	const float t39 = RNEA_FMA(-0.034f, RNEA_FMA(w4y, w4y, t33), 0.067f*t31) - t28;
-	const float n4x = RNEA_FMA(-0.119f, t38, 0.2345f*t39) + RNEA_FMA(0.017f, dw4x, 0.0104f*t30);
-	const float n4y = RNEA_FMA(0.119f, t37, RNEA_FMA(0.006f, dw4y, 0.0006f*t32));
-	const float n4z = RNEA_FMA(-0.2345f, t37, RNEA_FMA(-0.011f, t35, 0.0164f*dw4z));
+	const float a4x = RNEA_FMA(c4, t18, s4*t20);
+	const float a4y = RNEA_FMA(t18, -s4, c4*t20);
+	const float t21 = w4y*w4z;
+	const float t22 = w4z*w4z;
+	const float t23 = dw4x + t21;
+	const float t24 = w4x*w4z;
+	const float t25 = RNEA_FMA(w4x, w4x, t22);
+	const float t26 = w4x*w4y;
+	const float t27 = t26 - dw4z;
+	const float t28 = RNEA_FMA(-0.007973f, RNEA_FMA(w4y, w4y, -t22), RNEA_FMA(0.7529224f, dw4x, 0.7583224f*t21));
+	const float n4y = RNEA_FMA(-0.0054f, t24, 0.007973f*t27);
+	const float n4x = RNEA_FMA(-2.34625f, t19, t28);
+	const float n4z = RNEA_FMA(-2.34625f, a4x, RNEA_FMA(-0.007973f, dw4y + t24, RNEA_FMA(-0.7529224f, t26,
+		0.7583224f*dw4z)));
 
 	/* ---- out to link 5 "iiwa_link_5" (fpass) ---- */
 	const float q5 = q[4*stride];
@@ -186,35 +177,38 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_known(q5, known, sines + 6, &s5, &c5);
 	const float qd5 = qd[4*stride];
 	const float qdd5 = qdd[4*stride];
-	const float t40 = RNEA_FMA(0.1845f, t36, a4x);
-	const float a5z = RNEA_FMA(-0.1845f, t34, a4y);
-	const float t41 = RNEA_FMA(0.1845f, t31, -t28);
+	const float t29 = RNEA_FMA(0.4f, t27, a4x);
+	const float a5z = RNEA_FMA(-0.4f, t25, a4y);
+	const float t30 = RNEA_FMA(0.4f, t23, -t19);
 	const float w5x = RNEA_FMA(c5, -w4x, w4z*s5);
 	const float w5y = RNEA_FMA(w4x, s5, w4z*c5);
 	const float w5z = w4y + qd5;
 	const float dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(c5, -dw4x, dw4z*s5));
 	const float dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(dw4x, s5, dw4z*c5));
 	const float dw5z = dw4y + qdd5;
-	const float a5x = RNEA_FMA(t40, -c5, s5*t41);
-	const float a5y = RNEA_FMA(s5, t40, c5*t41);
-	const float t42 = w5y*w5z;
-	const float t43 = w5z*w5z;
-	const float t44 = w5y*w5y;
-	const float t45 = t42 - dw5x;
-	const float t46 = w5x*w5z;
-	const float t47 = w5x*w5x;
-	const float t48 = dw5y + t46;
-	const float t49 = w5x*w5y;
-	const float t50 = t44 + t47;
-	const float t51 = RNEA_FMA(0.076f, t48, RNEA_FMA(-0.0001f, t43 + t44, 0.021f*(t49 - dw5z)));
-	const float t52 = RNEA_FMA(0.076f, t45, RNEA_FMA(-0.021f, t43 + t47, 0.0001f*(dw5z + t49)));
-	const float t53 = RNEA_FMA(-0.076f, t50, RNEA_FMA(0.021f, dw5x + t42, 0.0001f*(t46 - dw5y)));
-	const float t54 = a5x + t51;
-	const float t55 = a5y + t52;
-	const float t56 = a5z + t53;
-	const float n5x = RNEA_FMA(-0.266f, t55, 0.0735f*t56) + RNEA_FMA(-0.00421f, t42, 0.01f*dw5x);
-	const float n5y = RNEA_FMA(-0.00035f, t56, 0.266f*t54) + RNEA_FMA(0.0087f, dw5y, 0.00551f*t46);
-	const float n5z = RNEA_FMA(-0.0735f, t54, 0.00035f*t55) + RNEA_FMA(-0.0013f, t49, 0.00449f*dw5z);
+	const float a5x = RNEA_FMA(t29, -c5, s5*t30);
+	const float a5y = RNEA_FMA(s5, t29, c5*t30);
+	const float t31 = w5y*w5z;
+	const float t32 = w5z*w5z;
+	const float t33 = w5y*w5y;
+	const float t34 = dw5x + t31;
+	const float t35 = w5x*w5z;
+	const float t36 = w5x*w5x;
+	const float t37 = t35 - dw5y;
+	const float t38 = w5x*w5y;
+	const float t39 = t38 - dw5z;
+	const float t40 = dw5z + t38;
+	const float f5x = RNEA_FMA(-0.00035f, t32 + t33, 0.07278f*t39);
+	const float f5y = RNEA_FMA(-0.07278f, t32 + t36, 0.00035f*t40);
+	const float f5z = RNEA_FMA(0.07278f, t34, 0.00035f*t37);
+	const float t41 = RNEA_FMA(4.8825e-05f, t40, RNEA_FMA(7.35e-06f, t37, RNEA_FMA(0.007543753f, dw5x,
+		0.010733823f*t31)));
+	const float t42 = -RNEA_FMA(7.35e-06f, t34, RNEA_FMA(0.01025325f, t39, 0.00319007f*t35));
+	const float t43 = RNEA_FMA(-4.8825e-05f, t31 - dw5x, RNEA_FMA(-0.007543753f, t38, 0.010733823f*dw5z));
+	const float t44 = RNEA_FMA(-7.35e-06f, t36 - t33, RNEA_FMA(0.01025325f, dw5y + t35, t43));
+	const float n5x = RNEA_FMA(0.07278f, a5z, RNEA_FMA(0.01025325f, t33 - t32, t41));
+	const float n5y = RNEA_FMA(-0.00035f, a5z, RNEA_FMA(4.8825e-05f, t32 - t36, t42));
+	const float n5z = RNEA_FMA(-0.07278f, a5x, 0.00035f*a5y) + t44;
 
 	/* ---- out to link 6 "iiwa_link_6" (fpass) ---- */
 	const float q6 = q[5*stride];
@@ -222,31 +216,26 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_known(q6, known, sines + 8, &s6, &c6);
 	const float qd6 = qd[5*stride];
 	const float qdd6 = qdd[5*stride];
-	const float t57 = RNEA_FMA(0.2155f, t48, a5x);
-	const float t58 = RNEA_FMA(0.2155f, t45, a5y);
-	const float t59 = RNEA_FMA(-0.2155f, t50, a5z);
 	const float w6x = RNEA_FMA(w5x, c6, w5z*s6);
 	const float w6y = RNEA_FMA(s6, -w5x, w5z*c6);
 	const float w6z = qd6 - w5y;
 	const float dw6x = RNEA_FMA(qd6, w6y, RNEA_FMA(dw5x, c6, dw5z*s6));
 	const float dw6y = RNEA_FMA(w6x, -qd6, RNEA_FMA(s6, -dw5x, dw5z*c6));
 	const float dw6z = qdd6 - dw5y;
-	const float a6x = RNEA_FMA(c6, t57, s6*t59);
-	const float a6y = RNEA_FMA(t57, -s6, c6*t59);
-	const float t60 = w6y*w6z;
-	const float t61 = dw6x + t60;
-	const float t62 = w6x*w6z;
-	const float t63 = w6x*w6x;
-	const float t64 = RNEA_FMA(w6z, w6z, t63);
-	const float t65 = w6x*w6y;
-	const float t66 = t65 - dw6z;
-	const float t67 = a6x + RNEA_FMA(0.0004f, dw6y + t62, 0.0006f*t66);
-	const float t68 = a6y + RNEA_FMA(-0.0006f, t64, 0.0004f*(t60 - dw6x));
-	const float t69 = RNEA_FMA(-0.0004f, RNEA_FMA(w6y, w6y, t63), 0.0006f*t61) - t58;
-	const float f6y = 1.8f*t68;
-	const float n6x = RNEA_FMA(-0.00072f, t68, 0.00108f*t69) + RNEA_FMA(-0.0011f, t60, 0.0049f*dw6x);
-	const float n6y = RNEA_FMA(0.00072f, t67, RNEA_FMA(0.0047f, dw6y, 0.0013f*t62));
-	const float n6z = RNEA_FMA(-0.00108f, t67, RNEA_FMA(-0.0002f, t65, 0.0036f*dw6z));
+	const float a6x = RNEA_FMA(a5x, c6, a5z*s6);
+	const float t45 = w6y*w6z;
+	const float t46 = w6z*w6z;
+	const float t47 = w6x*w6z;
+	const float t48 = w6x*w6y;
+	const float t49 = t48 - dw6z;
+	const float f6x = 0.12228f*t49;
+	const float t50 = 0.12228f*RNEA_FMA(w6x, w6x, t46);
+	const float t51 = RNEA_FMA(-4.32e-07f, RNEA_FMA(w6y, w6y, -t46), RNEA_FMA(0.013441848f, dw6x,
+		0.016841847f*t45));
+	const float n6y = RNEA_FMA(-0.0034f, t47, 4.32e-07f*t49);
+	const float n6x = RNEA_FMA(-0.12228f, a5y, t51);
+	const float n6z = RNEA_FMA(-0.12228f, a6x, RNEA_FMA(-4.32e-07f, dw6y + t47, RNEA_FMA(-0.013441848f, t48,
+		0.016841847f*dw6z)));
 
 	/* ---- out to link 7 "iiwa_link_7" (fpass) ---- */
 	const float q7 = q[6*stride];
@@ -254,79 +243,57 @@ static RNEA_INLINE int iiwa14_rnea_body(const float *q, const float *qd, const f
 	all_small &= rneagen_sincosf_known(q7, known, sines + 10, &s7, &c7);
 	const float qd7 = qd[6*stride];
 	const float qdd7 = qdd[6*stride];
-	const float t70 = RNEA_FMA(0.081f, t66, a6x);
-	const float a7z = RNEA_FMA(-0.081f, t64, a6y);
-	const float t71 = RNEA_FMA(0.081f, t61, -t58);
 	const float w7x = RNEA_FMA(c7, -w6x, w6z*s7);
 	const float w7y = RNEA_FMA(w6x, s7, w6z*c7);
 	const float w7z = w6y + qd7;
-	const float dw7x = RNEA_FMA(qd7, w7y, RNEA_FMA(c7, -dw6x, dw6z*s7));
-	const float dw7y = RNEA_FMA(w7x, -qd7, RNEA_FMA(dw6x, s7, dw6z*c7));
 	const float dw7z = dw6y + qdd7;
-	const float a7x = RNEA_FMA(t70, -c7, s7*t71);
-	const float a7y = RNEA_FMA(s7, t70, c7*t71);
-	const float t72 = RNEA_FMA(0.02f, RNEA_FMA(w7x, w7z, dw7y), a7x);
-	const float t73 = RNEA_FMA(0.02f, RNEA_FMA(w7y, w7z, -dw7x), a7y);
-	const float f7x = 1.2f*t72;
-	const float f7y = 1.2f*t73;
+	const float n7x = 0.001f*(w7y*w7z);
+	const float t52 = 0.001f*(w7x*w7z);
 	const float n7z = 0.001f*dw7z;
-	const float n7x = RNEA_FMA(-0.024f, t73, 0.001f*dw7x);
-	const float n7y = RNEA_FMA(0.001f, dw7y, 0.024f*t72);
 
 	/* ---- back from link 7 "iiwa_link_7" to link 6 (bpass): torque of "iiwa_joint_7" ---- */
 	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
-	const float t74 = RNEA_FMA(f7y, -s7, c7*f7x);
-	const float t75 = RNEA_FMA(s7, f7x, c7*f7y);
-	const float f6x = RNEA_FMA(1.8f, t67, -t74);
-	const float f6y_2 = RNEA_FMA(1.2f, RNEA_FMA(-0.02f, RNEA_FMA(w7x, w7x, w7y*w7y), a7z), f6y);
-	const float f6z = RNEA_FMA(1.8f, t69, t75);
-	const float t76 = RNEA_FMA(0.081f, t75, -RNEA_FMA(n7y, -s7, c7*n7x));
-	const float n6x_2 = n6x + t76;
+	const float n6x_2 = n6x - RNEA_FMA(c7, n7x, s7*t52);
 	const float n6y_2 = n6y + n7z;
-	const float n6z_2 = n6z + RNEA_FMA(0.081f, t74, RNEA_FMA(s7, n7x, c7*n7y));
+	const float n6z_2 = n6z + RNEA_FMA(t52, -c7, s7*n7x);
 	tau[6*stride] = n7z;
 
 	/* ---- back from link 6 "iiwa_link_6" to link 5 (bpass): torque of "iiwa_joint_6" ---- */
-	const float t77 = RNEA_FMA(-s6, f6y_2, c6*f6x);
-	const float f5x = RNEA_FMA(3.5f, t54, t77);
-	const float f5y = RNEA_FMA(3.5f, t55, -f6z);
-	const float f5z = RNEA_FMA(3.5f, t56, RNEA_FMA(s6, f6x, c6*f6y_2));
-	const float n5x_2 = n5x + RNEA_FMA(0.2155f, f6z, RNEA_FMA(-s6, n6y_2, c6*n6x_2));
-	const float n5y_2 = n5y + RNEA_FMA(0.2155f, t77, -n6z_2);
+	const float f5x_2 = f5x + RNEA_FMA(c6, f6x, s6*t50);
+	const float f5y_2 = RNEA_FMA(-0.12228f, dw6x + t45, f5y);
+	const float f5z_2 = f5z + RNEA_FMA(t50, -c6, s6*f6x);
+	const float n5x_2 = n5x + RNEA_FMA(n6y_2, -s6, c6*n6x_2);
+	const float n5y_2 = n5y - n6z_2;
 	const float n5z_2 = n5z + RNEA_FMA(s6, n6x_2, c6*n6y_2);
 	tau[5*stride] = n6z_2;
 
 	/* ---- back from link 5 "iiwa_link_5" to link 4 (bpass): torque of "iiwa_joint_5" ---- */
-	const float t78 = RNEA_FMA(f5y, -s5, c5*f5x);
-	const float t79 = RNEA_FMA(s5, f5x, c5*f5y);
-	const float f4x = RNEA_FMA(3.5f, t37, -t78);
-	const float f4y = RNEA_FMA(3.5f, t38, f5z);
-	const float f4z = RNEA_FMA(3.5f, t39, t79);
-	const float t80 = RNEA_FMA(0.1845f, t79, -RNEA_FMA(n5y_2, -s5, c5*n5x_2));
-	const float n4x_2 = n4x + t80;
+	const float t53 = RNEA_FMA(f5y_2, -s5, c5*f5x_2);
+	const float t54 = RNEA_FMA(s5, f5x_2, c5*f5y_2);
+	const float f4x = RNEA_FMA(2.34625f, t27, -t53);
+	const float f4y = RNEA_FMA(-2.34625f, t25, f5z_2);
+	const float f4z = RNEA_FMA(2.34625f, t23, t54);
+	const float t55 = RNEA_FMA(0.4f, t54, -RNEA_FMA(n5y_2, -s5, c5*n5x_2));
+	const float n4x_2 = n4x + t55;
 	const float n4y_2 = n4y + n5z_2;
-	const float n4z_2 = n4z + RNEA_FMA(0.1845f, t78, RNEA_FMA(s5, n5x_2, c5*n5y_2));
+	const float n4z_2 = n4z + RNEA_FMA(0.4f, t53, RNEA_FMA(s5, n5x_2, c5*n5y_2));
 	tau[4*stride] = n5z_2;
 
 	/* ---- back from link 4 "iiwa_link_4" to link 3 (bpass): torque of "iiwa_joint_4" ---- */
-	const float t81 = RNEA_FMA(-s4, f4y, c4*f4x);
-	const float f3x = RNEA_FMA(3.5f, t24, t81);
-	const float f3y = RNEA_FMA(3.5f, t25, -f4z);
-	const float n3x_2 = n3x + RNEA_FMA(0.2155f, f4z, RNEA_FMA(-s4, n4y_2, c4*n4x_2));
-	const float n3y_2 = n3y + RNEA_FMA(0.2155f, t81, -n4z_2);
+	const float t56 = RNEA_FMA(0.42f, RNEA_FMA(-s4, f4y, c4*f4x), -n4z_2);
+	const float n3x_2 = n3x + RNEA_FMA(0.42f, f4z, RNEA_FMA(-s4, n4y_2, c4*n4x_2));
+	const float n3y = t56 - RNEA_FMA(0.0148575f, t16 - dw3z, 0.0064f*t14);
 	const float n3z_2 = n3z + RNEA_FMA(s4, n4x_2, c4*n4y_2);
 	tau[3*stride] = n4z_2;
 
 	/* ---- back from link 3 "iiwa_link_3" to link 2 (bpass): torque of "iiwa_joint_3" ---- */
-	const float t82 = RNEA_FMA(f3y, -s3, c3*f3x);
-	const float t83 = -RNEA_FMA(n3y_2, -s3, c3*n3x_2);
-	const float n2x_2 = n2x + RNEA_FMA(0.2045f, RNEA_FMA(s3, f3x, c3*f3y), t83);
+	const float n2x_2 = n2x - RNEA_FMA(n3y, -s3, c3*n3x_2);
 	const float n2y_2 = n2y + n3z_2;
-	const float n2z_2 = n2z + RNEA_FMA(0.2045f, t82, RNEA_FMA(s3, n3x_2, c3*n3y_2));
+	const float n2z_2 = n2z + RNEA_FMA(s3, n3x_2, c3*n3y);
 	tau[2*stride] = n3z_2;
 
 	/* ---- back from link 2 "iiwa_link_2" to link 1 (bpass): torque of "iiwa_joint_2" ---- */
-	const float n1z = RNEA_FMA(0.017484f, qdd1, RNEA_FMA(s2, n2x_2, c2*n2y_2));
+	const float n1z = RNEA_FMA(0.039685972f, qdd1, RNEA_FMA(s2, n2x_2, c2*n2y_2));
 	tau[stride] = n2z_2;
 
 	/* ---- back from link 1 "iiwa_link_1" to the world (bpass): torque of "iiwa_joint_1" ---- */
@@ -1056,7 +1023,7 @@ RNEA_INFO const char iiwa14_info[] =
 	"input qd 7 f32 sample joint_velocity\n"
 	"input qdd 7 f32 sample joint_acceleration\n"
 	"output tau 7 f32 sample joint_torque\n"
-	"operations 125 60 18 36 163 6\n"
+	"operations 96 34 24 30 120 6\n"
 	"function fpass\n"
 	"input q 7 f32 sample joint_position\n"
 	"input qd 7 f32 sample joint_velocity\n"

@@ -4,7 +4,7 @@
  * from a URDF whose SHA-256 is
  *   c8d23760bfb9caae6acdb5ebff71c2edcf09ab06f5b12136d48ce9613e2f089b
  * nq = 6, nv = 6, nb = 6 (moving bodies). Operations:
- *   rnea: 91 mul, 26 add, 9 sub, 24 neg, 131 fma, 5 sincos = 388 flops
+ *   rnea: 70 mul, 23 add, 5 sub, 20 neg, 87 fma, 5 sincos = 272 flops
  *   fpass: 110 mul, 18 add, 18 sub, 33 neg, 119 fma, 5 sincos = 384 flops
  *   bpass: 21 mul, 24 add, 1 sub, 8 neg, 36 fma, 5 sincos = 118 flops
  *
@@ -15,6 +15,10 @@
  *   q[3] qd[3] revolute "wrist_1_joint", rad
  *   q[4] qd[4] revolute "wrist_2_joint", rad
  *   q[5] qd[5] revolute "wrist_3_joint", rad
+ * Parameters: base, of urdf with 388 flops and base with 272.
+ * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs
+ * feel of it. What the functions take and write is in the URDF's frames.
+ * fpass and bpass are computed by the URDF's constants.
  *
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
@@ -25,6 +29,7 @@
  *   q qd qdd         position, velocity and acceleration of the link's joint
  *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
  *   s c              sine and cosine of the joint's angle
+ *   sa ca            of the joint's angle and a constant one, by which the link's frame is turned ahead
  *   w                angular velocity
  *   dw               rate of the angular velocity
  *   v                velocity of the origin
@@ -79,35 +84,29 @@ static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const do
 	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const double qd1 = qd[0];
 	const double qdd1 = qdd[0];
-	const double t1 = qd1*qd1;
 
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
 	const double q2 = q[stride];
 	double s2, c2;
 	all_small &= rneagen_sincos_known(q2, known, sines, &s2, &c2);
+	const double sa2 = RNEA_FMA(-4.8965888601467475e-12, c2, s2);
+	const double ca2 = RNEA_FMA(4.8965888601467475e-12, s2, c2);
 	const double qd2 = qd[stride];
 	const double qdd2 = qdd[stride];
-	const double t2 = 4.8965888601467475e-12*qd1;
-	const double t3 = 4.8965888601467475e-12*qdd1;
-	const double t4 = RNEA_FMA(-6.652015966509357e-13, qdd1, -9.81);
-	const double t5 = RNEA_FMA(-0.13585, qdd1, 4.8035536718039596e-11);
-	const double w2z = RNEA_FMA(s2, -qd1, c2*t2);
-	const double t6 = RNEA_FMA(s2, t2, qd1*c2);
-	const double t7 = qd2*w2z;
-	const double t8 = qd2*t6;
-	const double t9 = t7 + RNEA_FMA(s2, t3, qdd1*c2);
-	const double dw2z = RNEA_FMA(s2, -qdd1, c2*t3) - t8;
-	const double a2z = RNEA_FMA(c2, t5, s2*t4);
-	const double a2x = RNEA_FMA(t5, -s2, c2*t4);
-	const double t10 = w2z*t6;
-	const double t11 = t6*t6;
-	const double t12 = qdd2 - t10;
-	const double t13 = RNEA_FMA(qd2, qd2, t11);
-	const double f2x = RNEA_FMA(8.393, a2x, 2.3500400000000004*t12);
-	const double f2z = RNEA_FMA(-2.3500400000000004, t13, 8.393*a2z);
-	const double n2x = RNEA_FMA(0.31925293400000004, t1, -RNEA_FMA(0.8849018759100001, t9, 0.8697944759100001*t7));
-	const double n2y = RNEA_FMA(2.3500400000000004, a2x, RNEA_FMA(-0.8697944759100001, t10,
-		0.8849018759100001*qdd2));
+	const double t1 = qd1*sa2;
+	const double t2 = qd1*ca2;
+	const double t3 = qd2*t1;
+	const double t4 = qd2*t2;
+	const double dw2x = RNEA_FMA(ca2, -qdd1, t3);
+	const double t5 = RNEA_FMA(qdd1, sa2, t4);
+	const double t6 = qd2*qd2;
+	const double t7 = t3 + dw2x;
+	const double t8 = t1*t2;
+	const double t9 = qdd2 + t8;
+	const double n2x = RNEA_FMA(-0.4084992088750001, RNEA_FMA(t1, -t1, t6), 3.5251464768200003*t3);
+	const double n2z = RNEA_FMA(-0.4084992088750001, t9, RNEA_FMA(-1.7701269384100002, t4, 1.7550195384100002*t5));
+	const double n2y = RNEA_FMA(-43.48696972500001, ca2, RNEA_FMA(0.4084992088750001, t5 - t4,
+		RNEA_FMA(1.7701269384100002, qdd2, 1.7550195384100002*t8)));
 
 	/* ---- out to link 3 "forearm_link" (fpass) ---- */
 	const double q3 = q[2*stride];
@@ -115,54 +114,59 @@ static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const do
 	all_small &= rneagen_sincos_known(q3, known, sines + 2, &s3, &c3);
 	const double qd3 = qd[2*stride];
 	const double qdd3 = qdd[2*stride];
-	const double t14 = a2x + RNEA_FMA(0.425, t12, 0.1197*(t8 + dw2z));
-	const double a3y = RNEA_FMA(-0.13585, t1, RNEA_FMA(0.425, t7 + t9, 0.1197*RNEA_FMA(w2z, w2z, t11)));
-	const double t15 = a2z - RNEA_FMA(0.425, t13, 0.1197*(t7 - t9));
-	const double w3z = RNEA_FMA(s3, -t6, w2z*c3);
-	const double t16 = RNEA_FMA(w2z, s3, t6*c3);
+	const double t10 = RNEA_FMA(-9.81, ca2, 0.425*t9);
+	const double t11 = RNEA_FMA(0.425, RNEA_FMA(t2, t2, t6), 9.81*sa2);
+	const double t12 = RNEA_FMA(t1, c3, t2*s3);
+	const double w3x = RNEA_FMA(c3, -t2, t1*s3);
 	const double w3y = qd2 + qd3;
-	const double t17 = RNEA_FMA(qd3, w3z, RNEA_FMA(dw2z, s3, t9*c3));
+	const double dw3x = RNEA_FMA(qd3, t12, RNEA_FMA(t5, s3, dw2x*c3));
 	const double dw3y = qdd2 + qdd3;
-	const double dw3z = RNEA_FMA(t16, -qd3, RNEA_FMA(s3, -t9, dw2z*c3));
-	const double a3z = RNEA_FMA(c3, t15, s3*t14);
-	const double a3x = RNEA_FMA(t15, -s3, c3*t14);
-	const double t18 = w3z*w3y;
-	const double t19 = t17 + t18;
-	const double t20 = w3z*t16;
-	const double t21 = dw3y - t20;
-	const double t22 = RNEA_FMA(t16, t16, w3y*w3y);
-	const double f3x = RNEA_FMA(2.275, a3x, 0.56875*t21);
-	const double f3y = RNEA_FMA(2.275, a3y, 0.56875*t19);
-	const double f3z = RNEA_FMA(-0.56875, t22, 2.275*a3z);
-	const double t23 = RNEA_FMA(0.56875, a3y, RNEA_FMA(0.19163081355599998, t17, 0.187535813556*t18));
-	const double n3y = RNEA_FMA(0.56875, a3x, RNEA_FMA(-0.187535813556, t20, 0.19163081355599998*dw3y));
+	const double dw3z = RNEA_FMA(qd3, w3x, RNEA_FMA(c3, -t5, dw2x*s3));
+	const double a3z = RNEA_FMA(t11, -c3, s3*t10);
+	const double a3x = RNEA_FMA(s3, t11, c3*t10);
+	const double t13 = t12*w3y;
+	const double t14 = w3y*w3y;
+	const double t15 = dw3x + t13;
+	const double t16 = t12*w3x;
+	const double t17 = dw3y - t16;
+	const double t18 = w3x*w3y;
+	const double t19 = RNEA_FMA(w3x, w3x, t14);
+	const double n3z = RNEA_FMA(-0.07714261911624999, t17, RNEA_FMA(-0.59155695167475, dw3z, 0.59565195167475*t18));
+	const double n3x = RNEA_FMA(0.679472691875, t7, RNEA_FMA(-0.07714261911624999, RNEA_FMA(t12, -t12, t14),
+		1.1872089033495*t13));
+	const double n3y = RNEA_FMA(1.598759275, a3x, RNEA_FMA(0.07714261911624999, t18 - dw3z,
+		RNEA_FMA(-0.59155695167475, t16, 0.59565195167475*dw3y)));
 
 	/* ---- out to link 4 "wrist_1_link" (fpass) ---- */
 	const double q4 = q[3*stride];
 	double s4, c4;
 	all_small &= rneagen_sincos_known(q4, known, sines + 4, &s4, &c4);
+	const double sa4 = RNEA_FMA(-4.8965888601467475e-12, c4, s4);
+	const double ca4 = RNEA_FMA(4.8965888601467475e-12, s4, c4);
 	const double qd4 = qd[3*stride];
 	const double qdd4 = qdd[3*stride];
-	const double t24 = RNEA_FMA(4.8965888601467475e-12, t16, w3z);
-	const double t25 = RNEA_FMA(4.8965888601467475e-12, w3z, -t16);
-	const double t26 = RNEA_FMA(4.8965888601467475e-12, t17, dw3z);
-	const double t27 = RNEA_FMA(4.8965888601467475e-12, dw3z, -t17);
-	const double t28 = RNEA_FMA(0.39225, t21, a3x);
-	const double a4y = RNEA_FMA(0.39225, t19, a3y);
-	const double t29 = RNEA_FMA(-0.39225, t22, a3z);
-	const double t30 = RNEA_FMA(4.8965888601467475e-12, t28, -t29);
-	const double t31 = RNEA_FMA(4.8965888601467475e-12, t29, t28);
-	const double w4z = RNEA_FMA(t24, -s4, c4*t25);
-	const double t32 = RNEA_FMA(s4, t25, c4*t24);
+	const double w4z = RNEA_FMA(w3x, ca4, t12*sa4);
+	const double w4x = RNEA_FMA(sa4, -w3x, t12*ca4);
 	const double w4y = w3y + qd4;
-	const double t33 = RNEA_FMA(qd4, w4z, RNEA_FMA(s4, t27, c4*t26));
+	const double t20 = RNEA_FMA(qd4, w4z, RNEA_FMA(dw3x, sa4, dw3z*ca4));
 	const double dw4y = dw3y + qdd4;
-	const double dw4z = RNEA_FMA(t32, -qd4, RNEA_FMA(t26, -s4, c4*t27));
-	const double a4z = RNEA_FMA(c4, t31, s4*t30);
-	const double a4x = RNEA_FMA(t31, -s4, c4*t30);
-	const double t34 = w4z*w4y;
-	const double n4x = RNEA_FMA(-0.111172755531, t33, 0.108247244469*t34);
-	const double n4y = RNEA_FMA(0.111172755531, dw4y, 0.108247244469*(w4z*t32));
+	const double dw4z = RNEA_FMA(qd4, w4x, RNEA_FMA(sa4, -dw3z, dw3x*ca4));
+	const double t21 = RNEA_FMA(sa4, RNEA_FMA(0.39225, t17, a3x), ca4*RNEA_FMA(-0.39225, t19, a3z));
+	const double t22 = w4z*w4y;
+	const double t23 = w4y*w4y;
+	const double t24 = t20 + t22;
+	const double t25 = w4z*w4x;
+	const double t26 = dw4y + t25;
+	const double t27 = w4x*w4y;
+	const double f4x = 0.017784735*t26;
+	const double f4y = 0.017784735*t24;
+	const double t28 = 0.017784735*RNEA_FMA(w4x, w4x, t23);
+	const double n4z = RNEA_FMA(-0.0019412038252500001, t26, RNEA_FMA(-0.004608836229750008, dw4z,
+		0.22402883622975*t27));
+	const double t29 = -RNEA_FMA(0.0019412038252500001, RNEA_FMA(w4z, -w4z, t23), 0.2286376724595*t22);
+	const double n4x = RNEA_FMA(0.017784735, RNEA_FMA(0.39225, t15, 0.425*t7), t29);
+	const double n4y = RNEA_FMA(-0.017784735, t21, RNEA_FMA(0.0019412038252500001, t27 - dw4z,
+		RNEA_FMA(0.22402883622975, dw4y, 0.004608836229750008*t25)));
 
 	/* ---- out to link 5 "wrist_2_link" (fpass) ---- */
 	const double q5 = q[4*stride];
@@ -170,22 +174,14 @@ static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const do
 	all_small &= rneagen_sincos_known(q5, known, sines + 6, &s5, &c5);
 	const double qd5 = qd[4*stride];
 	const double qdd5 = qdd[4*stride];
-	const double t35 = RNEA_FMA(-0.093, RNEA_FMA(t32, w4y, dw4z), a4x);
-	const double t36 = RNEA_FMA(-0.093, RNEA_FMA(t32, t32, w4z*w4z), a4y);
-	const double a5z = RNEA_FMA(0.093, t34 - t33, a4z);
-	const double w5x = RNEA_FMA(c5, -t32, w4y*s5);
-	const double w5y = RNEA_FMA(t32, s5, w4y*c5);
+	const double w5x = RNEA_FMA(w4x, c5, w4y*s5);
+	const double w5y = RNEA_FMA(s5, -w4x, w4y*c5);
 	const double w5z = w4z + qd5;
-	const double dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(c5, -t33, dw4y*s5));
-	const double dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(t33, s5, dw4y*c5));
+	const double dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(c5, -t20, dw4y*s5));
+	const double dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(t20, s5, dw4y*c5));
 	const double dw5z = dw4z + qdd5;
-	const double a5x = RNEA_FMA(c5, t35, s5*t36);
-	const double a5y = RNEA_FMA(t35, -s5, c5*t36);
-	const double t37 = w5y*w5z;
-	const double t38 = w5x*w5z;
-	const double f5y = 1.219*a5y;
-	const double n5x = RNEA_FMA(0.111172755531, dw5x, 0.108247244469*t37);
-	const double n5y = RNEA_FMA(-0.108247244469, t38, 0.111172755531*dw5y);
+	const double n5x = RNEA_FMA(0.0171364731454, dw5x, 0.23655647314540001*(w5y*w5z));
+	const double n5z = RNEA_FMA(-0.0171364731454, w5x*w5y, 0.23655647314540001*dw5z);
 
 	/* ---- out to link 6 "wrist_3_link" (fpass) ---- */
 	const double q6 = q[5*stride];
@@ -193,75 +189,46 @@ static RNEA_INLINE int ur5_rnea_body(const double *q, const double *qd, const do
 	all_small &= rneagen_sincos_known(q6, known, sines + 8, &s6, &c6);
 	const double qd6 = qd[5*stride];
 	const double qdd6 = qdd[5*stride];
-	const double t39 = RNEA_FMA(0.09465, dw5y + t38, a5x);
-	const double a6y = RNEA_FMA(0.09465, t37 - dw5x, a5y);
-	const double t40 = RNEA_FMA(-0.09465, RNEA_FMA(w5x, w5x, w5y*w5y), a5z);
 	const double w6z = RNEA_FMA(w5z, c6, w5x*s6);
 	const double w6x = RNEA_FMA(s6, -w5z, w5x*c6);
 	const double w6y = w5y + qd6;
-	const double dw6x = RNEA_FMA(w6z, -qd6, RNEA_FMA(s6, -dw5z, dw5x*c6));
 	const double dw6y = dw5y + qdd6;
 	const double dw6z = RNEA_FMA(qd6, w6x, RNEA_FMA(dw5z, c6, dw5x*s6));
-	const double a6z = RNEA_FMA(c6, t40, s6*t39);
-	const double a6x = RNEA_FMA(t40, -s6, c6*t39);
-	const double f6x = 0.1879*a6x;
-	const double f6z = 0.1879*a6z;
-	const double n6x = RNEA_FMA(0.0171364731454, dw6x, 0.016685526854599998*(w6z*w6y));
+	const double t30 = 0.0004509462908000028*(w6z*w6y);
 	const double n6y = RNEA_FMA(-0.016685526854599998, w6z*w6x, 0.0171364731454*dw6y);
-	const double n6z = 0.033822*dw6z;
+	const double n6z = RNEA_FMA(0.016685526854599998, dw6z, 0.0171364731454*(w6x*w6y));
 
 	/* ---- back from link 6 "wrist_3_link" to link 5 (bpass): torque of "wrist_3_joint" ---- */
 	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
-	const double t41 = RNEA_FMA(s6, f6z, c6*f6x);
-	const double f5x = RNEA_FMA(1.219, a5x, t41);
-	const double f5y_2 = RNEA_FMA(0.1879, a6y, f5y);
-	const double f5z = RNEA_FMA(1.219, a5z, RNEA_FMA(-s6, f6x, c6*f6z));
-	const double n5x_2 = n5x + RNEA_FMA(-0.017784735, a6y, RNEA_FMA(s6, n6z, c6*n6x));
-	const double n5y_2 = n5y + RNEA_FMA(0.09465, t41, n6y);
-	const double n5z = RNEA_FMA(0.21942, dw5z, RNEA_FMA(-s6, n6x, c6*n6z));
+	const double n5x_2 = n5x + RNEA_FMA(t30, -c6, s6*n6z);
+	const double n5y = RNEA_FMA(-0.21942, w5x*w5z, n6y);
+	const double n5z_2 = n5z + RNEA_FMA(c6, n6z, s6*t30);
 	tau[5*stride] = n6y;
 
 	/* ---- back from link 5 "wrist_2_link" to link 4 (bpass): torque of "wrist_2_joint" ---- */
-	const double t42 = RNEA_FMA(-s5, f5y_2, c5*f5x);
-	const double f4x = RNEA_FMA(1.219, a4x, t42);
-	const double f4y = RNEA_FMA(1.219, a4y, RNEA_FMA(s5, f5x, c5*f5y_2));
-	const double f4z = RNEA_FMA(1.219, a4z, f5z);
-	const double n4x_2 = n4x + RNEA_FMA(0.093, f5z, RNEA_FMA(-s5, n5y_2, c5*n5x_2));
-	const double n4y_2 = n4y + RNEA_FMA(s5, n5x_2, c5*n5y_2);
-	const double n4z = RNEA_FMA(0.21942, dw4z, RNEA_FMA(-0.093, t42, n5z));
-	tau[4*stride] = n5z;
+	const double n4x_2 = n4x + RNEA_FMA(n5y, -s5, c5*n5x_2);
+	const double n4y_2 = n4y + RNEA_FMA(s5, n5x_2, c5*n5y);
+	const double n4z_2 = n4z + n5z_2;
+	tau[4*stride] = n5z_2;
 
 	/* ---- back from link 4 "wrist_1_link" to link 3 (bpass): torque of "wrist_1_joint" ---- */
-	const double t43 = RNEA_FMA(-s4, f4x, c4*f4z);
-	const double t44 = RNEA_FMA(s4, f4z, c4*f4x);
-	const double t45 = RNEA_FMA(-s4, n4x_2, c4*n4z);
-	const double t46 = RNEA_FMA(s4, n4z, c4*n4x_2);
-	const double t47 = RNEA_FMA(4.8965888601467475e-12, t44, t43);
-	const double f3x_2 = f3x + t47;
-	const double f3y_2 = f3y + f4y;
-	const double f3z_2 = f3z + RNEA_FMA(4.8965888601467475e-12, t43, -t44);
-	const double n3x = RNEA_FMA(-0.39225, f4y, RNEA_FMA(4.8965888601467475e-12, t46, t45)) - t23;
-	const double n3y_2 = n3y + RNEA_FMA(0.39225, t47, n4y_2);
-	const double n3z = RNEA_FMA(0.004095, dw3z, RNEA_FMA(4.8965888601467475e-12, t45, -t46));
+	const double t31 = RNEA_FMA(ca4, t28, sa4*f4x);
+	const double f3x = RNEA_FMA(1.598759275, t17, -t31);
+	const double f3y = RNEA_FMA(-1.598759275, t15, f4y);
+	const double t32 = RNEA_FMA(1.598759275, t19, RNEA_FMA(t28, -sa4, ca4*f4x));
+	const double n3x_2 = n3x + RNEA_FMA(-0.00697606230375, t24, RNEA_FMA(n4x_2, -sa4, ca4*n4z_2));
+	const double n3y_2 = n3y + RNEA_FMA(-0.39225, t31, n4y_2);
+	const double n3z_2 = n3z - RNEA_FMA(sa4, n4z_2, ca4*n4x_2);
 	tau[3*stride] = n4y_2;
 
 	/* ---- back from link 3 "forearm_link" to link 2 (bpass): torque of "elbow_joint" ---- */
-	const double t48 = RNEA_FMA(-s3, f3x_2, c3*f3z_2);
-	const double t49 = RNEA_FMA(s3, f3z_2, c3*f3x_2);
-	const double f2x_2 = f2x + t49;
-	const double f2z_2 = f2z + t48;
-	const double t50 = RNEA_FMA(s3, n3z, c3*n3x) - RNEA_FMA(0.1197, t48, 0.425*f3y_2);
-	const double n2x_2 = n2x + t50;
-	const double n2y_2 = n2y + RNEA_FMA(0.425, t49, n3y_2);
-	const double n2z = RNEA_FMA(0.0151074, dw2z, RNEA_FMA(0.1197, t49, RNEA_FMA(-s3, n3x, c3*n3z)));
+	const double n2x_2 = n2x + RNEA_FMA(-0.425, f3y, RNEA_FMA(s3, n3z_2, c3*n3x_2));
+	const double n2y_2 = n2y + RNEA_FMA(0.425, RNEA_FMA(t32, -s3, c3*f3x), n3y_2);
+	const double n2z_2 = n2z + RNEA_FMA(n3x_2, -s3, c3*n3z_2);
 	tau[2*stride] = n3y_2;
 
 	/* ---- back from link 2 "upper_arm_link" to link 1 (bpass): torque of "shoulder_lift_joint" ---- */
-	const double t51 = RNEA_FMA(-s2, f2x_2, c2*f2z_2);
-	const double t52 = RNEA_FMA(-s2, n2x_2, c2*n2z);
-	const double f1x = RNEA_FMA(4.8965888601467475e-12, RNEA_FMA(s2, f2z_2, c2*f2x_2), t51);
-	const double t53 = RNEA_FMA(-0.13585, f1x, RNEA_FMA(4.8965888601467475e-12, t52, -RNEA_FMA(s2, n2z, c2*n2x_2)));
-	const double n1z = RNEA_FMA(0.00666, qdd1, t53);
+	const double n1z = RNEA_FMA(2.7690351387572503, qdd1, -RNEA_FMA(sa2, n2z_2, ca2*n2x_2));
 	tau[stride] = n2y_2;
 
 	/* ---- back from link 1 "shoulder_link" to the world (bpass): torque of "shoulder_pan_joint" ---- */
@@ -931,7 +898,7 @@ RNEA_INFO const char ur5_info[] =
 	"input qd 6 f64 sample joint_velocity\n"
 	"input qdd 6 f64 sample joint_acceleration\n"
 	"output tau 6 f64 sample joint_torque\n"
-	"operations 91 26 9 24 131 5\n"
+	"operations 70 23 5 20 87 5\n"
 	"function fpass\n"
 	"input q 6 f64 sample joint_position\n"
 	"input qd 6 f64 sample joint_velocity\n"

@@ -4,7 +4,7 @@
  * from a URDF whose SHA-256 is
  *   c8d23760bfb9caae6acdb5ebff71c2edcf09ab06f5b12136d48ce9613e2f089b
  * nq = 6, nv = 6, nb = 6 (moving bodies). Operations:
- *   rnea: 91 mul, 26 add, 9 sub, 24 neg, 131 fma, 5 sincos = 388 flops
+ *   rnea: 70 mul, 23 add, 5 sub, 20 neg, 87 fma, 5 sincos = 272 flops
  *   fpass: 110 mul, 18 add, 18 sub, 33 neg, 119 fma, 5 sincos = 384 flops
  *   bpass: 21 mul, 24 add, 1 sub, 8 neg, 36 fma, 5 sincos = 118 flops
  *
@@ -15,6 +15,10 @@
  *   q[3] qd[3] revolute "wrist_1_joint", rad
  *   q[4] qd[4] revolute "wrist_2_joint", rad
  *   q[5] qd[5] revolute "wrist_3_joint", rad
+ * Parameters: base, of urdf with 388 flops and base with 272.
+ * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs
+ * feel of it. What the functions take and write is in the URDF's frames.
+ * fpass and bpass are computed by the URDF's constants.
  *
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
@@ -26,6 +30,7 @@
  *   q qd qdd         position, velocity and acceleration of the link's joint
  *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
  *   s c              sine and cosine of the joint's angle
+ *   sa ca            of the joint's angle and a constant one, by which the link's frame is turned ahead
  *   w                angular velocity
  *   dw               rate of the angular velocity
  *   v                velocity of the origin
@@ -86,34 +91,29 @@ static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const floa
 	   f = m a + U h;  n = I dw + w x I w + h x a */
 	const float qd1 = qd[0];
 	const float qdd1 = qdd[0];
-	const float t1 = qd1*qd1;
 
 	/* ---- out to link 2 "upper_arm_link" (fpass) ---- */
 	const float q2 = q[stride];
 	float s2, c2;
 	all_small &= rneagen_sincosf_known(q2, known, sines, &s2, &c2);
+	const float sa2 = RNEA_FMA(-4.8965888e-12f, c2, s2);
+	const float ca2 = RNEA_FMA(4.8965888e-12f, s2, c2);
 	const float qd2 = qd[stride];
 	const float qdd2 = qdd[stride];
-	const float t2 = 4.8965888e-12f*qd1;
-	const float t3 = 4.8965888e-12f*qdd1;
-	const float t4 = RNEA_FMA(-6.652016e-13f, qdd1, -9.81f);
-	const float t5 = RNEA_FMA(-0.13585f, qdd1, 4.8035537e-11f);
-	const float w2z = RNEA_FMA(s2, -qd1, c2*t2);
-	const float t6 = RNEA_FMA(s2, t2, qd1*c2);
-	const float t7 = qd2*w2z;
-	const float t8 = qd2*t6;
-	const float t9 = t7 + RNEA_FMA(s2, t3, qdd1*c2);
-	const float dw2z = RNEA_FMA(s2, -qdd1, c2*t3) - t8;
-	const float a2z = RNEA_FMA(c2, t5, s2*t4);
-	const float a2x = RNEA_FMA(t5, -s2, c2*t4);
-	const float t10 = w2z*t6;
-	const float t11 = t6*t6;
-	const float t12 = qdd2 - t10;
-	const float t13 = RNEA_FMA(qd2, qd2, t11);
-	const float f2x = RNEA_FMA(8.393f, a2x, 2.35004f*t12);
-	const float f2z = RNEA_FMA(-2.35004f, t13, 8.393f*a2z);
-	const float n2x = RNEA_FMA(0.31925294f, t1, -RNEA_FMA(0.8849019f, t9, 0.8697945f*t7));
-	const float n2y = RNEA_FMA(2.35004f, a2x, RNEA_FMA(-0.8697945f, t10, 0.8849019f*qdd2));
+	const float t1 = qd1*sa2;
+	const float t2 = qd1*ca2;
+	const float t3 = qd2*t1;
+	const float t4 = qd2*t2;
+	const float dw2x = RNEA_FMA(ca2, -qdd1, t3);
+	const float t5 = RNEA_FMA(qdd1, sa2, t4);
+	const float t6 = qd2*qd2;
+	const float t7 = t3 + dw2x;
+	const float t8 = t1*t2;
+	const float t9 = qdd2 + t8;
+	const float n2x = RNEA_FMA(-0.4084992f, RNEA_FMA(t1, -t1, t6), 3.5251465f*t3);
+	const float n2z = RNEA_FMA(-0.4084992f, t9, RNEA_FMA(-1.7701269f, t4, 1.7550195f*t5));
+	const float n2y = RNEA_FMA(-43.48697f, ca2, RNEA_FMA(0.4084992f, t5 - t4, RNEA_FMA(1.7701269f, qdd2,
+		1.7550195f*t8)));
 
 	/* ---- out to link 3 "forearm_link" (fpass) ---- */
 	const float q3 = q[2*stride];
@@ -121,54 +121,57 @@ static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const floa
 	all_small &= rneagen_sincosf_known(q3, known, sines + 2, &s3, &c3);
 	const float qd3 = qd[2*stride];
 	const float qdd3 = qdd[2*stride];
-	const float t14 = a2x + RNEA_FMA(0.425f, t12, 0.1197f*(t8 + dw2z));
-	const float a3y = RNEA_FMA(-0.13585f, t1, RNEA_FMA(0.425f, t7 + t9, 0.1197f*RNEA_FMA(w2z, w2z, t11)));
-	const float t15 = a2z - RNEA_FMA(0.425f, t13, 0.1197f*(t7 - t9));
-	const float w3z = RNEA_FMA(s3, -t6, w2z*c3);
-	const float t16 = RNEA_FMA(w2z, s3, t6*c3);
+	const float t10 = RNEA_FMA(-9.81f, ca2, 0.425f*t9);
+	const float t11 = RNEA_FMA(0.425f, RNEA_FMA(t2, t2, t6), 9.81f*sa2);
+	const float t12 = RNEA_FMA(t1, c3, t2*s3);
+	const float w3x = RNEA_FMA(c3, -t2, t1*s3);
 	const float w3y = qd2 + qd3;
-	const float t17 = RNEA_FMA(qd3, w3z, RNEA_FMA(dw2z, s3, t9*c3));
+	const float dw3x = RNEA_FMA(qd3, t12, RNEA_FMA(t5, s3, dw2x*c3));
 	const float dw3y = qdd2 + qdd3;
-	const float dw3z = RNEA_FMA(t16, -qd3, RNEA_FMA(s3, -t9, dw2z*c3));
-	const float a3z = RNEA_FMA(c3, t15, s3*t14);
-	const float a3x = RNEA_FMA(t15, -s3, c3*t14);
-	const float t18 = w3z*w3y;
-	const float t19 = t17 + t18;
-	const float t20 = w3z*t16;
-	const float t21 = dw3y - t20;
-	const float t22 = RNEA_FMA(t16, t16, w3y*w3y);
-	const float f3x = RNEA_FMA(2.275f, a3x, 0.56875f*t21);
-	const float f3y = RNEA_FMA(2.275f, a3y, 0.56875f*t19);
-	const float f3z = RNEA_FMA(-0.56875f, t22, 2.275f*a3z);
-	const float t23 = RNEA_FMA(0.56875f, a3y, RNEA_FMA(0.19163081f, t17, 0.18753581f*t18));
-	const float n3y = RNEA_FMA(0.56875f, a3x, RNEA_FMA(-0.18753581f, t20, 0.19163081f*dw3y));
+	const float dw3z = RNEA_FMA(qd3, w3x, RNEA_FMA(c3, -t5, dw2x*s3));
+	const float a3z = RNEA_FMA(t11, -c3, s3*t10);
+	const float a3x = RNEA_FMA(s3, t11, c3*t10);
+	const float t13 = t12*w3y;
+	const float t14 = w3y*w3y;
+	const float t15 = dw3x + t13;
+	const float t16 = t12*w3x;
+	const float t17 = dw3y - t16;
+	const float t18 = w3x*w3y;
+	const float t19 = RNEA_FMA(w3x, w3x, t14);
+	const float n3z = RNEA_FMA(-0.07714262f, t17, RNEA_FMA(-0.59155697f, dw3z, 0.5956519f*t18));
+	const float n3x = RNEA_FMA(0.6794727f, t7, RNEA_FMA(-0.07714262f, RNEA_FMA(t12, -t12, t14), 1.1872089f*t13));
+	const float n3y = RNEA_FMA(1.5987593f, a3x, RNEA_FMA(0.07714262f, t18 - dw3z, RNEA_FMA(-0.59155697f, t16,
+		0.5956519f*dw3y)));
 
 	/* ---- out to link 4 "wrist_1_link" (fpass) ---- */
 	const float q4 = q[3*stride];
 	float s4, c4;
 	all_small &= rneagen_sincosf_known(q4, known, sines + 4, &s4, &c4);
+	const float sa4 = RNEA_FMA(-4.8965888e-12f, c4, s4);
+	const float ca4 = RNEA_FMA(4.8965888e-12f, s4, c4);
 	const float qd4 = qd[3*stride];
 	const float qdd4 = qdd[3*stride];
-	const float t24 = RNEA_FMA(4.8965888e-12f, t16, w3z);
-	const float t25 = RNEA_FMA(4.8965888e-12f, w3z, -t16);
-	const float t26 = RNEA_FMA(4.8965888e-12f, t17, dw3z);
-	const float t27 = RNEA_FMA(4.8965888e-12f, dw3z, -t17);
-	const float t28 = RNEA_FMA(0.39225f, t21, a3x);
-	const float a4y = RNEA_FMA(0.39225f, t19, a3y);
-	const float t29 = RNEA_FMA(-0.39225f, t22, a3z);
-	const float t30 = RNEA_FMA(4.8965888e-12f, t28, -t29);
-	const float t31 = RNEA_FMA(4.8965888e-12f, t29, t28);
-	const float w4z = RNEA_FMA(t24, -s4, c4*t25);
-	const float t32 = RNEA_FMA(s4, t25, c4*t24);
+	const float w4z = RNEA_FMA(w3x, ca4, t12*sa4);
+	const float w4x = RNEA_FMA(sa4, -w3x, t12*ca4);
 	const float w4y = w3y + qd4;
-	const float t33 = RNEA_FMA(qd4, w4z, RNEA_FMA(s4, t27, c4*t26));
+	const float t20 = RNEA_FMA(qd4, w4z, RNEA_FMA(dw3x, sa4, dw3z*ca4));
 	const float dw4y = dw3y + qdd4;
-	const float dw4z = RNEA_FMA(t32, -qd4, RNEA_FMA(t26, -s4, c4*t27));
-	const float a4z = RNEA_FMA(c4, t31, s4*t30);
-	const float a4x = RNEA_FMA(t31, -s4, c4*t30);
-	const float t34 = w4z*w4y;
-	const float n4x = RNEA_FMA(-0.11117276f, t33, 0.10824724f*t34);
-	const float n4y = RNEA_FMA(0.11117276f, dw4y, 0.10824724f*(w4z*t32));
+	const float dw4z = RNEA_FMA(qd4, w4x, RNEA_FMA(sa4, -dw3z, dw3x*ca4));
+	const float t21 = RNEA_FMA(sa4, RNEA_FMA(0.39225f, t17, a3x), ca4*RNEA_FMA(-0.39225f, t19, a3z));
+	const float t22 = w4z*w4y;
+	const float t23 = w4y*w4y;
+	const float t24 = t20 + t22;
+	const float t25 = w4z*w4x;
+	const float t26 = dw4y + t25;
+	const float t27 = w4x*w4y;
+	const float f4x = 0.017784735f*t26;
+	const float f4y = 0.017784735f*t24;
+	const float t28 = 0.017784735f*RNEA_FMA(w4x, w4x, t23);
+	const float n4z = RNEA_FMA(-0.0019412038f, t26, RNEA_FMA(-0.004608836f, dw4z, 0.22402884f*t27));
+	const float t29 = -RNEA_FMA(0.0019412038f, RNEA_FMA(w4z, -w4z, t23), 0.22863767f*t22);
+	const float n4x = RNEA_FMA(0.017784735f, RNEA_FMA(0.39225f, t15, 0.425f*t7), t29);
+	const float n4y = RNEA_FMA(-0.017784735f, t21, RNEA_FMA(0.0019412038f, t27 - dw4z, RNEA_FMA(0.22402884f, dw4y,
+		0.004608836f*t25)));
 
 	/* ---- out to link 5 "wrist_2_link" (fpass) ---- */
 	const float q5 = q[4*stride];
@@ -176,22 +179,14 @@ static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const floa
 	all_small &= rneagen_sincosf_known(q5, known, sines + 6, &s5, &c5);
 	const float qd5 = qd[4*stride];
 	const float qdd5 = qdd[4*stride];
-	const float t35 = RNEA_FMA(-0.093f, RNEA_FMA(t32, w4y, dw4z), a4x);
-	const float t36 = RNEA_FMA(-0.093f, RNEA_FMA(t32, t32, w4z*w4z), a4y);
-	const float a5z = RNEA_FMA(0.093f, t34 - t33, a4z);
-	const float w5x = RNEA_FMA(c5, -t32, w4y*s5);
-	const float w5y = RNEA_FMA(t32, s5, w4y*c5);
+	const float w5x = RNEA_FMA(w4x, c5, w4y*s5);
+	const float w5y = RNEA_FMA(s5, -w4x, w4y*c5);
 	const float w5z = w4z + qd5;
-	const float dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(c5, -t33, dw4y*s5));
-	const float dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(t33, s5, dw4y*c5));
+	const float dw5x = RNEA_FMA(qd5, w5y, RNEA_FMA(c5, -t20, dw4y*s5));
+	const float dw5y = RNEA_FMA(w5x, -qd5, RNEA_FMA(t20, s5, dw4y*c5));
 	const float dw5z = dw4z + qdd5;
-	const float a5x = RNEA_FMA(c5, t35, s5*t36);
-	const float a5y = RNEA_FMA(t35, -s5, c5*t36);
-	const float t37 = w5y*w5z;
-	const float t38 = w5x*w5z;
-	const float f5y = 1.219f*a5y;
-	const float n5x = RNEA_FMA(0.11117276f, dw5x, 0.10824724f*t37);
-	const float n5y = RNEA_FMA(-0.10824724f, t38, 0.11117276f*dw5y);
+	const float n5x = RNEA_FMA(0.017136473f, dw5x, 0.23655647f*(w5y*w5z));
+	const float n5z = RNEA_FMA(-0.017136473f, w5x*w5y, 0.23655647f*dw5z);
 
 	/* ---- out to link 6 "wrist_3_link" (fpass) ---- */
 	const float q6 = q[5*stride];
@@ -199,75 +194,46 @@ static RNEA_INLINE int ur5_rnea_body(const float *q, const float *qd, const floa
 	all_small &= rneagen_sincosf_known(q6, known, sines + 8, &s6, &c6);
 	const float qd6 = qd[5*stride];
 	const float qdd6 = qdd[5*stride];
-	const float t39 = RNEA_FMA(0.09465f, dw5y + t38, a5x);
-	const float a6y = RNEA_FMA(0.09465f, t37 - dw5x, a5y);
-	const float t40 = RNEA_FMA(-0.09465f, RNEA_FMA(w5x, w5x, w5y*w5y), a5z);
 	const float w6z = RNEA_FMA(w5z, c6, w5x*s6);
 	const float w6x = RNEA_FMA(s6, -w5z, w5x*c6);
 	const float w6y = w5y + qd6;
-	const float dw6x = RNEA_FMA(w6z, -qd6, RNEA_FMA(s6, -dw5z, dw5x*c6));
 	const float dw6y = dw5y + qdd6;
 	const float dw6z = RNEA_FMA(qd6, w6x, RNEA_FMA(dw5z, c6, dw5x*s6));
-	const float a6z = RNEA_FMA(c6, t40, s6*t39);
-	const float a6x = RNEA_FMA(t40, -s6, c6*t39);
-	const float f6x = 0.1879f*a6x;
-	const float f6z = 0.1879f*a6z;
-	const float n6x = RNEA_FMA(0.017136473f, dw6x, 0.016685527f*(w6z*w6y));
+	const float t30 = 0.0004509463f*(w6z*w6y);
 	const float n6y = RNEA_FMA(-0.016685527f, w6z*w6x, 0.017136473f*dw6y);
-	const float n6z = 0.033822f*dw6z;
+	const float n6z = RNEA_FMA(0.016685527f, dw6z, 0.017136473f*(w6x*w6y));
 
 	/* ---- back from link 6 "wrist_3_link" to link 5 (bpass): torque of "wrist_3_joint" ---- */
 	/* f_p += R f;  n_p += R n + p x R f;  tau = z.n */
-	const float t41 = RNEA_FMA(s6, f6z, c6*f6x);
-	const float f5x = RNEA_FMA(1.219f, a5x, t41);
-	const float f5y_2 = RNEA_FMA(0.1879f, a6y, f5y);
-	const float f5z = RNEA_FMA(1.219f, a5z, RNEA_FMA(-s6, f6x, c6*f6z));
-	const float n5x_2 = n5x + RNEA_FMA(-0.017784735f, a6y, RNEA_FMA(s6, n6z, c6*n6x));
-	const float n5y_2 = n5y + RNEA_FMA(0.09465f, t41, n6y);
-	const float n5z = RNEA_FMA(0.21942f, dw5z, RNEA_FMA(-s6, n6x, c6*n6z));
+	const float n5x_2 = n5x + RNEA_FMA(t30, -c6, s6*n6z);
+	const float n5y = RNEA_FMA(-0.21942f, w5x*w5z, n6y);
+	const float n5z_2 = n5z + RNEA_FMA(c6, n6z, s6*t30);
 	tau[5*stride] = n6y;
 
 	/* ---- back from link 5 "wrist_2_link" to link 4 (bpass): torque of "wrist_2_joint" ---- */
-	const float t42 = RNEA_FMA(-s5, f5y_2, c5*f5x);
-	const float f4x = RNEA_FMA(1.219f, a4x, t42);
-	const float f4y = RNEA_FMA(1.219f, a4y, RNEA_FMA(s5, f5x, c5*f5y_2));
-	const float f4z = RNEA_FMA(1.219f, a4z, f5z);
-	const float n4x_2 = n4x + RNEA_FMA(0.093f, f5z, RNEA_FMA(-s5, n5y_2, c5*n5x_2));
-	const float n4y_2 = n4y + RNEA_FMA(s5, n5x_2, c5*n5y_2);
-	const float n4z = RNEA_FMA(0.21942f, dw4z, RNEA_FMA(-0.093f, t42, n5z));
-	tau[4*stride] = n5z;
+	const float n4x_2 = n4x + RNEA_FMA(n5y, -s5, c5*n5x_2);
+	const float n4y_2 = n4y + RNEA_FMA(s5, n5x_2, c5*n5y);
+	const float n4z_2 = n4z + n5z_2;
+	tau[4*stride] = n5z_2;
 
 	/* ---- back from link 4 "wrist_1_link" to link 3 (bpass): torque of "wrist_1_joint" ---- */
-	const float t43 = RNEA_FMA(-s4, f4x, c4*f4z);
-	const float t44 = RNEA_FMA(s4, f4z, c4*f4x);
-	const float t45 = RNEA_FMA(-s4, n4x_2, c4*n4z);
-	const float t46 = RNEA_FMA(s4, n4z, c4*n4x_2);
-	const float t47 = RNEA_FMA(4.8965888e-12f, t44, t43);
-	const float f3x_2 = f3x + t47;
-	const float f3y_2 = f3y + f4y;
-	const float f3z_2 = f3z + RNEA_FMA(4.8965888e-12f, t43, -t44);
-	const float n3x = RNEA_FMA(-0.39225f, f4y, RNEA_FMA(4.8965888e-12f, t46, t45)) - t23;
-	const float n3y_2 = n3y + RNEA_FMA(0.39225f, t47, n4y_2);
-	const float n3z = RNEA_FMA(0.004095f, dw3z, RNEA_FMA(4.8965888e-12f, t45, -t46));
+	const float t31 = RNEA_FMA(ca4, t28, sa4*f4x);
+	const float f3x = RNEA_FMA(1.5987593f, t17, -t31);
+	const float f3y = RNEA_FMA(-1.5987593f, t15, f4y);
+	const float t32 = RNEA_FMA(1.5987593f, t19, RNEA_FMA(t28, -sa4, ca4*f4x));
+	const float n3x_2 = n3x + RNEA_FMA(-0.0069760624f, t24, RNEA_FMA(n4x_2, -sa4, ca4*n4z_2));
+	const float n3y_2 = n3y + RNEA_FMA(-0.39225f, t31, n4y_2);
+	const float n3z_2 = n3z - RNEA_FMA(sa4, n4z_2, ca4*n4x_2);
 	tau[3*stride] = n4y_2;
 
 	/* ---- back from link 3 "forearm_link" to link 2 (bpass): torque of "elbow_joint" ---- */
-	const float t48 = RNEA_FMA(-s3, f3x_2, c3*f3z_2);
-	const float t49 = RNEA_FMA(s3, f3z_2, c3*f3x_2);
-	const float f2x_2 = f2x + t49;
-	const float f2z_2 = f2z + t48;
-	const float t50 = RNEA_FMA(s3, n3z, c3*n3x) - RNEA_FMA(0.1197f, t48, 0.425f*f3y_2);
-	const float n2x_2 = n2x + t50;
-	const float n2y_2 = n2y + RNEA_FMA(0.425f, t49, n3y_2);
-	const float n2z = RNEA_FMA(0.0151074f, dw2z, RNEA_FMA(0.1197f, t49, RNEA_FMA(-s3, n3x, c3*n3z)));
+	const float n2x_2 = n2x + RNEA_FMA(-0.425f, f3y, RNEA_FMA(s3, n3z_2, c3*n3x_2));
+	const float n2y_2 = n2y + RNEA_FMA(0.425f, RNEA_FMA(t32, -s3, c3*f3x), n3y_2);
+	const float n2z_2 = n2z + RNEA_FMA(n3x_2, -s3, c3*n3z_2);
 	tau[2*stride] = n3y_2;
 
 	/* ---- back from link 2 "upper_arm_link" to link 1 (bpass): torque of "shoulder_lift_joint" ---- */
-	const float t51 = RNEA_FMA(-s2, f2x_2, c2*f2z_2);
-	const float t52 = RNEA_FMA(-s2, n2x_2, c2*n2z);
-	const float f1x = RNEA_FMA(4.8965888e-12f, RNEA_FMA(s2, f2z_2, c2*f2x_2), t51);
-	const float t53 = RNEA_FMA(-0.13585f, f1x, RNEA_FMA(4.8965888e-12f, t52, -RNEA_FMA(s2, n2z, c2*n2x_2)));
-	const float n1z = RNEA_FMA(0.00666f, qdd1, t53);
+	const float n1z = RNEA_FMA(2.769035f, qdd1, -RNEA_FMA(sa2, n2z_2, ca2*n2x_2));
 	tau[stride] = n2y_2;
 
 	/* ---- back from link 1 "shoulder_link" to the world (bpass): torque of "shoulder_pan_joint" ---- */
@@ -904,7 +870,7 @@ RNEA_INFO const char ur5_info[] =
 	"input qd 6 f32 sample joint_velocity\n"
 	"input qdd 6 f32 sample joint_acceleration\n"
 	"output tau 6 f32 sample joint_torque\n"
-	"operations 91 26 9 24 131 5\n"
+	"operations 70 23 5 20 87 5\n"
 	"function fpass\n"
 	"input q 6 f32 sample joint_position\n"
 	"input qd 6 f32 sample joint_velocity\n"
@@ -928,7 +894,7 @@ RNEA_INFO const char ur5_info[] =
 /* blocks that one multiprocessor should hold at once: bounds the registers of the rnea kernel; 0: the compiler's choice
    */
 #ifndef RNEA_MIN_BLOCKS
-#define RNEA_MIN_BLOCKS (RNEA_BLOCK < 64 ? 0 : 768/RNEA_BLOCK)
+#define RNEA_MIN_BLOCKS 0
 #endif
 /* a thread's stack for the sines of large angles: librnea does not take it for spilled registers */
 #define RNEA_SINES_BYTES 64

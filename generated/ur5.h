@@ -4,7 +4,7 @@
  * from a URDF whose SHA-256 is
  *   c8d23760bfb9caae6acdb5ebff71c2edcf09ab06f5b12136d48ce9613e2f089b
  * nq = 6, nv = 6, nb = 6 (moving bodies). Operations:
- *   rnea: 91 mul, 26 add, 9 sub, 24 neg, 131 fma, 5 sincos = 388 flops
+ *   rnea: 70 mul, 23 add, 5 sub, 20 neg, 87 fma, 5 sincos = 272 flops
  *   fpass: 110 mul, 18 add, 18 sub, 33 neg, 119 fma, 5 sincos = 384 flops
  *   bpass: 21 mul, 24 add, 1 sub, 8 neg, 36 fma, 5 sincos = 118 flops
  *
@@ -15,6 +15,10 @@
  *   q[3] qd[3] revolute "wrist_1_joint", rad
  *   q[4] qd[4] revolute "wrist_2_joint", rad
  *   q[5] qd[5] revolute "wrist_3_joint", rad
+ * Parameters: base, of urdf with 388 flops and base with 272.
+ * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs
+ * feel of it. What the functions take and write is in the URDF's frames.
+ * fpass and bpass are computed by the URDF's constants.
  *
  * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
@@ -25,6 +29,7 @@
  *   q qd qdd         position, velocity and acceleration of the link's joint
  *   own_f own_n      force and moment that fpass wrote, in the URDF's frame of the link
  *   s c              sine and cosine of the joint's angle
+ *   sa ca            of the joint's angle and a constant one, by which the link's frame is turned ahead
  *   w                angular velocity
  *   dw               rate of the angular velocity
  *   v                velocity of the origin

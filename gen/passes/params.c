@@ -4,6 +4,11 @@
 #include "tree/lumps.h"
 #include <string.h>
 
+/* Where the scene says nothing, base parameters are taken if they need less than this share of the operations by the URDF's
+   constants: where less is saved, measured times go either way (gen/scene/README.md), and a text in the URDF's frames is easier to
+   follow. */
+static const double WORTH_IT = 0.925;
+
 /* Operations of what is asked for, of a tree; -1 and an error. */
 static long cost(const struct analysis *a, const struct tree *t)
 {
@@ -50,40 +55,46 @@ static enum rneagen_code find_kept(const struct analysis *a, char *keeps)
 	return a->error->code;
 }
 
-/* The cheaper of both for what is asked for. */
-static enum rneagen_code choose(struct analysis *a, const struct tree *base, int is_auto)
+/* Base parameters, where they take less than this share of the operations by the URDF's; 0: however many. */
+static enum rneagen_code choose(struct analysis *a, const struct tree *base, double share)
 {
 	struct params_choice *p = &a->params;
 
-	p->is_auto = is_auto;
+	p->is_auto = share > 0;
 	p->is_base = 1;
-	if (is_auto) {
+	if (p->is_auto) {
 		p->flops[0] = cost(a, &a->stated);
 		p->flops[1] = p->flops[0] < 0 ? -1 : cost(a, base);
-		p->is_base = p->flops[1] >= 0 && p->flops[1] < p->flops[0];
+		p->is_base = p->flops[1] >= 0 && (double)p->flops[1] < share * (double)p->flops[0];
 	}
 	if (p->is_base)
 		a->tree = *base;
 	return a->error->code;
 }
 
+/* Does the URDF stand without a trial? Also where constants are to have few digits: sums of them have many again. */
+static int is_by_urdf(const struct analysis *a, const struct scene_choice *said)
+{
+	return a->params.is_left || (said ? !strcmp(said->value, "urdf") : a->adjust.digits != 0);
+}
+
 enum rneagen_code pass_params_choose(struct analysis *a)
 {
-	const struct scene_choice *c = scene_next(&a->scene, SCENE_PARAMS, NULL);
+	const struct scene_choice *said = scene_next(&a->scene, SCENE_PARAMS, NULL);
 	size_t bodies = (size_t)a->tree.body_count;
-	struct restatement *by;
+	struct restatement *restated;
 	struct tree base;
 	char *keeps;
 
-	if (!c || !strcmp(c->value, "urdf") || a->params.is_left)
+	if (is_by_urdf(a, said))
 		return RNEAGEN_OK;
-	by = arena_alloc(a->arena, bodies, sizeof *by);
+	restated = arena_alloc(a->arena, bodies, sizeof *restated);
 	keeps = arena_alloc(a->arena, bodies, 1);
-	if (!by || !keeps)
+	if (!restated || !keeps)
 		return error_memory(a->error);
-	if (find_kept(a, keeps) || search_params(by, &a->stated, keeps, &a->arena->allocator, a->error))
+	if (find_kept(a, keeps) || search_params(restated, &a->stated, keeps, &a->arena->allocator, a->error))
 		return a->error->code;
-	if (!tree_restate(&base, &a->stated, by, a->arena))
+	if (!tree_restate(&base, &a->stated, restated, a->arena))
 		return error_memory(a->error);
-	return choose(a, &base, !strcmp(c->value, "auto"));
+	return choose(a, &base, !said ? WORTH_IT : !strcmp(said->value, "auto"));
 }

@@ -5,11 +5,17 @@ static const char *word(const struct params_choice *p)
 	return p->is_base ? "base" : "urdf";
 }
 
+/* Where the scene says nothing and nothing was chosen, constants are as the URDF has them. */
+static int is_told(const struct analysis *a)
+{
+	return a->params.is_auto || scene_next(&a->scene, SCENE_PARAMS, NULL);
+}
+
 void params_put_table(const struct analysis *a, struct text *out)
 {
 	const struct params_choice *p = &a->params;
 
-	if (!scene_next(&a->scene, SCENE_PARAMS, NULL))
+	if (!is_told(a))
 		return;
 	text_printf(out, "\nparameters: %s", word(p));
 	if (p->is_auto)
@@ -49,7 +55,7 @@ void params_put_json(const struct analysis *a, struct text *out)
 {
 	const struct params_choice *p = &a->params;
 
-	if (!scene_next(&a->scene, SCENE_PARAMS, NULL))
+	if (!is_told(a))
 		return;
 	text_printf(out, "  \"params\": \"%s\",\n", word(p));
 	if (p->is_auto)

@@ -21,8 +21,8 @@ static void note(struct saving *x, const struct plan *p, const struct rneagen_op
 	x->bytes = bytes_of(p->dag, o);
 }
 
-/* Of another scene of the robot. */
-static enum rneagen_code count(struct saving *x, const struct analysis *of, const struct rneagen_options *o)
+/* Of another scene of the robot; by the URDF's constants, or as the scene says. */
+static enum rneagen_code count(struct saving *x, const struct analysis *of, const struct rneagen_options *o, int by_urdf)
 {
 	struct rneagen_error refused = {0};
 	struct arena spare;
@@ -32,6 +32,7 @@ static enum rneagen_code count(struct saving *x, const struct analysis *of, cons
 	arena_init(&spare, o->allocator);
 	analysis_copy(&other, of, &spare, &refused);
 	other.options = *o;
+	other.params = (struct params_choice){.is_left = by_urdf};
 	if (!analysis_run(&other, PASS_SCENE_PARSE, PASS_DAG_FUSE)) {
 		if (plan_build(&p, &other.dag, &other.tree, &spare))
 			note(x, &p, o, &spare);
@@ -72,7 +73,7 @@ static enum rneagen_code add_without(struct savings *s, const struct analysis *a
 		other.scene = without(&a->scene, a->options.scene, index, ranges, a->arena);
 		if (a->arena->failed || (!ranges && !scene_next(&a->scene, SCENE_RANGE, NULL)))
 			break;
-		count(x, a, &other);
+		count(x, a, &other, !a->params.is_base && a->scene.lines[index].key != SCENE_PARAMS);
 	}
 	return a->arena->failed ? error_memory(a->error) : a->error->code;
 }
@@ -85,7 +86,13 @@ static enum rneagen_code add_full(struct savings *s, const struct analysis *a)
 	other.scene = NULL;
 	other.order = NULL; /* it need not name what the scene leaves out */
 	x->line = SAVING_FULL;
-	return count(x, a, &other);
+	return count(x, a, &other, !a->params.is_base);
+}
+
+/* Not of ranges, nor of the URDF's constants, which save nothing. */
+static int is_listed(const struct scene_choice *c)
+{
+	return c->key != SCENE_RANGE && (c->key != SCENE_PARAMS || strcmp(c->value, "urdf"));
 }
 
 enum rneagen_code saving_measure(struct savings *x, const struct analysis *a, const struct plan *now)
@@ -102,7 +109,7 @@ enum rneagen_code saving_measure(struct savings *x, const struct analysis *a, co
 	x->of[x->count].line = SAVING_SCENE;
 	note(&x->of[x->count++], now, &a->options, a->arena);
 	for (int i = 0; i < a->scene.line_count && lines > 1 && lines <= MOST_LINES; i++)
-		if (a->scene.lines[i].key != SCENE_RANGE && add_without(x, a, i))
+		if (is_listed(&a->scene.lines[i]) && add_without(x, a, i))
 			return a->error->code;
 	return a->arena->failed ? error_memory(a->error) : RNEAGEN_OK;
 }

@@ -203,12 +203,13 @@ static enum rneagen_code prove_errors(struct proving *p, struct proof *proof)
 	int n = p->o->precision_count;
 	double seconds = p->o->seconds;
 	double *const(*best)[2] = (double *const(*)[2])p->best;
+	struct relaxed own, *text = p->relaxed.text == p->a ? &p->relaxed : &own;
 
 	show(p, "errors");
-	if (!seek_errors(proof->rows, p->a, p->b, p->models, n, best, &p->effort, SHARE_SEEK_ERRORS * seconds))
-		return error_memory(p->e);
-	show(p, "errors");
-	if (!rounding_find(proof->rows, &p->relaxed, p->b, p->models, n, &p->effort, SHARE_ALL * seconds - (seconds_now() - p->start)))
+	if (text == &own && relax(&own, p->a, p->b->rows, &p->arena, p->e))
+		return p->e->code;
+	if (!seek_errors(proof->rows, p->a, p->b, p->models, n, best, &p->effort, SHARE_SEEK_ERRORS * seconds) ||
+		!rounding_find(proof->rows, text, p->b, p->models, n, &p->effort, SHARE_ALL * seconds - (seconds_now() - p->start)))
 		return error_memory(p->e);
 	return RNEAGEN_OK;
 }
@@ -363,7 +364,6 @@ static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 	if (!proof->rows || !p->effort.workers || !make_states(p))
 		return error_memory(p->e);
 	p->effort.threads = workers_limit(p->effort.workers);
-	p->effort.record = p->o->record;
 	p->effort.deadline = p->start + 1.2 * p->o->seconds;
 	set_models(p);
 	if (add_fields(p) || seek_all(p))
@@ -384,11 +384,11 @@ enum rneagen_code prove(struct proof *proof, const struct analysis *a, const str
 	struct progress *progress, struct rneagen_error *e)
 {
 	double start = o->start > 0 ? o->start : seconds_now();
-	struct proving p = {.a = a, .b = b, .o = o, .progress = progress, .e = e, .start = start};
+	struct proving p = {.a = a, .b = b, .o = o, .progress = progress, .e = e, .start = start, .effort = {.record = o->record}};
 
 	*proof = (struct proof){0};
 	arena_init(&p.arena, NULL);
-	if (!relax(&p.relaxed, a, b->rows, &p.arena, e)) {
+	if (!relax(&p.relaxed, o->stated ? o->stated : a, b->rows, &p.arena, e)) {
 		p.box = relaxed_box(&p.relaxed);
 		p.field_count = field_split(&p.fields, &p.relaxed, &p.arena, e);
 		if (p.field_count >= 0)

@@ -48,7 +48,7 @@ struct proving {
 	int format;
 	const char *envelope, *picture, *certificate; /* files; NULL: not asked for */
 	struct file_content urdf;
-	struct analysis analysis;
+	struct analysis analysis, stated;
 	struct arena arena;
 };
 
@@ -168,6 +168,19 @@ static int print(const struct proving *p, const struct proved *x)
 /* A certificate takes a share of the time. */
 #define SHARE_CERTIFICATE 0.33
 
+/* The same outputs by the URDF's constants, where the text has others and leaves nothing out. A certificate tells of one DAG. */
+static const struct analysis *stated_of(struct proving *p, struct rneagen_error *e)
+{
+	struct analysis *x = &p->stated;
+
+	if (!p->analysis.params.is_base || p->analysis.adjust.prune != 0 || p->certificate)
+		return NULL;
+	analysis_copy(x, &p->analysis, &p->arena, e);
+	x->tree = x->stated;
+	x->params = (struct params_choice){0};
+	return analysis_run(x, PASS_REQUEST_RESOLVE, PASS_DAG_FUSE) ? NULL : x;
+}
+
 static void prove_and_certify(struct proving *p, struct proof *proof, const struct box *box, struct progress *progress,
 	struct rneagen_error *e)
 {
@@ -175,10 +188,11 @@ static void prove_and_certify(struct proving *p, struct proof *proof, const stru
 	struct record record;
 	int position = dag_find_role(&p->analysis.dag, ROLE_JOINT_POSITION, 0);
 
-	if (!p->certificate) {
+	o.stated = stated_of(p, e);
+	if (!p->certificate && !e->code)
 		prove(proof, &p->analysis, box, &o, progress, e);
+	if (!p->certificate)
 		return;
-	}
 	if (!record_make(&record, p->analysis.dag.output_count, position < 0 ? 0 : p->analysis.dag.arguments[position].rows))
 		error_memory(e);
 	o.record = &record;

@@ -39,6 +39,7 @@ static void check_model(struct cheaper *t, const char *urdf, size_t length, stru
 	struct model m;
 	long stated, base;
 
+	o.scene = "params urdf\n";
 	model_open(&m, urdf, length, &o, what);
 	stated = flops_of(&m.dag[PASS_RNEA]);
 	model_close(&m);

@@ -85,7 +85,8 @@ static struct meter generate(int links, struct rneagen_options o)
 	return m;
 }
 
-#define GRADIENTS "want tau,dtau_dq,dtau_dqd\n"
+/* By the URDF's constants, but where base parameters are searched for. */
+#define GRADIENTS "params urdf\nwant tau,dtau_dq,dtau_dqd\n"
 
 static const struct growth {
 	const char *scene;
@@ -96,10 +97,11 @@ static const struct growth {
 	{GRADIENTS, RNEAGEN_TARGET_CUDA, RNEAGEN_FIXED, 110, 480},
 	{GRADIENTS, RNEAGEN_TARGET_C, RNEAGEN_FIXED, 190, 450},
 	{GRADIENTS, RNEAGEN_TARGET_CUDA, RNEAGEN_FLOATING, 110, 520},
-	{"want M\n", RNEAGEN_TARGET_CUDA, RNEAGEN_FIXED, 80, 3400},
-	{"want M\n", RNEAGEN_TARGET_C, RNEAGEN_FLOATING, 72, 250},
-	{"want jvp,vjp\n", RNEAGEN_TARGET_C, RNEAGEN_FLOATING, 29, 81},
-	{"", RNEAGEN_TARGET_CUDA, RNEAGEN_FIXED, 21, 42},
+	{"params urdf\nwant M\n", RNEAGEN_TARGET_CUDA, RNEAGEN_FIXED, 80, 3400},
+	{"params urdf\nwant M\n", RNEAGEN_TARGET_C, RNEAGEN_FLOATING, 72, 250},
+	{"params urdf\nwant jvp,vjp\n", RNEAGEN_TARGET_C, RNEAGEN_FLOATING, 29, 81},
+	{"params urdf\n", RNEAGEN_TARGET_CUDA, RNEAGEN_FIXED, 21, 42},
+	{"params base\n", RNEAGEN_TARGET_C, RNEAGEN_FIXED, 23, 9600},
 };
 
 /* A matrix of twice as many links has four times as many elements. Under the sanitizers the short texts alone. */
@@ -132,8 +134,8 @@ static const struct long_chain {
 	enum rneagen_precision precision;
 	size_t most, all; /* MB */
 } LONG_CHAINS[] = {
-	{"want qdd\n", RNEAGEN_F32, 150, 330},
-	{"want tau,vjp\n", RNEAGEN_F64, 106, 890},
+	{"params urdf\nwant qdd\n", RNEAGEN_F32, 150, 330},
+	{"params urdf\nwant tau,vjp\n", RNEAGEN_F64, 106, 890},
 };
 
 START_TEST(long_chains)

@@ -143,11 +143,11 @@ static int check(const char *path, char **names, const char *scene)
 
 int main(int argc, char **argv)
 {
-	const char *scene = argc > 1 && !strcmp(argv[1], "--base") ? "params base\n" : NULL;
-	int broken = 0;
+	int is_base = argc > 1 && !strcmp(argv[1], "--base"), broken = 0;
+	const char *scene = is_base ? "params base\n" : "params urdf\n";
 
-	argv += scene != NULL;
-	argc -= scene != NULL;
+	argv += is_base;
+	argc -= is_base;
 	if (argc > 2 && !strcmp(argv[1], "--check"))
 		return check(argv[2], argv + 3, scene);
 	put_head(stdout);

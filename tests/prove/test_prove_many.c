@@ -167,7 +167,7 @@ static int check_best(const struct many *m)
 START_TEST(test_many)
 {
 	struct effort effort = robot_box_effort();
-	struct prove_options options = {{RNEAGEN_F32, RNEAGEN_F64}, 2, 2, 2, 0, NULL};
+	struct prove_options options = {{RNEAGEN_F32, RNEAGEN_F64}, 2, 2, 2, 0, NULL, NULL};
 	struct progress silent = {0};
 	struct rneagen_error e = {0};
 	struct robot_box x;

@@ -349,7 +349,7 @@ START_TEST(test_cuts)
 	char scene[100];
 	int count;
 
-	snprintf(scene, sizeof scene, "%srange qdd=-20,20\nrange qd=-9,9", CASES[_i].scene);
+	snprintf(scene, sizeof scene, "params urdf\n%srange qdd=-20,20\nrange qd=-9,9", CASES[_i].scene);
 	relaxed_box_open(&s, CASES[_i].name, scene);
 	cut_all(&s, &cuts, &count, &rest, &effort);
 	for (int k = 0; k < count; k++)

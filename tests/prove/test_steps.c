@@ -188,7 +188,7 @@ START_TEST(test_turns)
 	struct box_bound bound;
 	struct points p;
 
-	stage(&x, &CASES[4]);
+	stage(&x, &(struct steps_case){"iiwa14", "params urdf\nrange qdd=-20,20"});
 	for (size_t i = 0; i < x.robot.analysis.dag.output_count; i++) {
 		if (x.robot.analysis.dag.outputs[i].row != 0)
 			continue;

@@ -133,7 +133,7 @@ START_TEST(rounded)
 		char *urdf = torque_robot(seed, LINKS, 0);
 		int digits = _i ? 17 : 3;
 
-		open_or_fail(&whole, urdf, NULL);
+		open_or_fail(&whole, urdf, "params urdf");
 		open_or_fail(&m, urdf, scenes[_i]);
 		for (int k = 0; k < m.tree.body_count; k++) {
 			const struct body *x = &m.tree.bodies[k], *y = &whole.tree.bodies[k];
@@ -211,9 +211,9 @@ START_TEST(dropped_at_any_scale)
 {
 	struct scene_model light, heavy, whole;
 
-	open_or_fail(&light, SCALED("e-6"), "drop-below 1e-2:sampled");
-	open_or_fail(&heavy, SCALED("e6"), "drop-below 1e-2:sampled");
-	open_or_fail(&whole, SCALED("e6"), NULL);
+	open_or_fail(&light, SCALED("e-6"), "params urdf\ndrop-below 1e-2:sampled");
+	open_or_fail(&heavy, SCALED("e6"), "params urdf\ndrop-below 1e-2:sampled");
+	open_or_fail(&whole, SCALED("e6"), "params urdf");
 	ck_assert_uint_eq(operation_total(&light), operation_total(&heavy));
 	ck_assert_uint_lt(operation_total(&heavy), operation_total(&whole));
 	scene_close(&light);
@@ -267,7 +267,7 @@ START_TEST(dropped)
 		struct reference *r = scene_reference(urdf, &o);
 		double share;
 
-		open_or_fail(&whole, urdf, NULL);
+		open_or_fail(&whole, urdf, "params urdf");
 		open_or_fail(&m, urdf, scenes[_i]);
 		ck_assert_int_eq(m.dag.argument_count, 4);
 		share = change_of(&m, r, seed);

@@ -169,14 +169,18 @@ END_TEST
 
 /* ---- cost ---- */
 
+/* By the URDF's constants: what a search for others finds for a task may cost more than what it finds for a larger one. */
 static size_t cost(struct task_case *c)
 {
+	char *end = c->scene + strlen(c->scene);
 	struct scene_model m;
 	size_t n;
 
+	strcpy(end, "params urdf\n");
 	open_scene(c, &m);
 	n = operation_total(&m);
 	scene_close(&m);
+	*end = '\0';
 	return n;
 }
 

@@ -37,6 +37,7 @@ static enum rneagen_code write_text(const char *path, const struct file_content 
 	char out[4096];
 
 	o.file = path;
+	o.scene = "params urdf"; /* each of the six in the links' own frames */
 	o.target = v->target;
 	o.precision = v->precision;
 	if ((size_t)snprintf(out, sizeof out, "%s/%s_%s", folder, OPERATION_NAMES[operation], v->suffix) >= sizeof out)
