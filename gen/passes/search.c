@@ -5,6 +5,8 @@
 #include <float.h>
 #include <limits.h>
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
 /* Sweeps over all bodies; how far a frame may be from its link, in longest distances between joints; bodies times
    operations, beyond which frames stay where they are, since trying others takes long; how far off torques may be, in
@@ -188,18 +190,46 @@ static real farthest(const struct tree *t)
 	return most;
 }
 
-static void make_fast(struct drawn_array *qd, size_t samples)
+static void make_fast(struct drawn_array *qd, const struct tree *t, size_t samples)
 {
-	for (size_t i = 0; i < samples * (size_t)qd->rows; i++)
-		qd->values[i] = i % (size_t)qd->rows % 2 ? -FAST_RATE : FAST_RATE;
+	for (size_t s = 0; s < samples; s++) {
+		double *rates = qd->values + s * (size_t)qd->rows;
+		int before = 0;
+
+		for (int i = 0; i < t->joint_count; i++)
+			for (int row = t->joints[i].iv; row < t->joints[i].iv + t->joints[i].nv; row++)
+				rates[row] = before++ % 2 ? -FAST_RATE : FAST_RATE;
+	}
+}
+
+static int before(const void *a, const void *b)
+{
+	const struct tree_joint *x = a, *y = b;
+
+	return (x->body > y->body) - (x->body < y->body);
+}
+
+/* States are drawn joint by joint: body by body here, so that frames do not go by the order of the rows. Returns 0 when memory runs
+   out. */
+static int sort_joints(struct tree *by_body, const struct tree *t, struct arena *a)
+{
+	*by_body = *t;
+	by_body->joints = arena_alloc(a, (size_t)t->joint_count, sizeof *by_body->joints);
+	if (!by_body->joints)
+		return 0;
+	memcpy(by_body->joints, t->joints, (size_t)t->joint_count * sizeof *t->joints);
+	qsort(by_body->joints, (size_t)t->joint_count, sizeof *t->joints, before);
+	return 1;
 }
 
 static int measure_in(struct search *s, struct measure *m, const struct dag *d, int is_fast, struct arena *spare)
 {
-	if (!draw_inputs(&m->inputs, s->t, &TORQUES_REQUEST, &SAMPLES, &s->own))
+	struct tree by_body;
+
+	if (!sort_joints(&by_body, s->t, spare) || !draw_inputs(&m->inputs, &by_body, &TORQUES_REQUEST, &SAMPLES, &s->own))
 		return 0;
 	if (is_fast)
-		make_fast(&m->inputs.arrays[DRAWN_QD], m->inputs.samples);
+		make_fast(&m->inputs.arrays[DRAWN_QD], &by_body, m->inputs.samples);
 	m->reference = accuracy_reference(d, &m->inputs, &s->own);
 	return m->reference && accuracy_measure(&m->worst, d, &m->inputs, m->reference, spare);
 }

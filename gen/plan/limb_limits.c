@@ -18,7 +18,7 @@ enum { START = 330, LATER = 270 };
    and 34.3. */
 enum { SHORT_OPERATIONS = 1500, MOST_SHORT = 16384, MOST_LONG = 4096, MOST_JOINED = 1024 };
 
-/* Limbs that share much, or gain little, win within one block alone; one sample and 1024, us, whole and limbs, with
+/* Limbs that share much, or something and gain little, win within one block alone; one sample and 1024, us, whole and limbs, with
    values across for 100 operations: both gradients of iiwa14 3.68 and 2.40, 4.08 and 3.63 (3.2); of ur5 2.52 and 2.14,
    2.59 and 3.18 (7.0); of panda in f64 7.17 and 6.37, 7.54 and 9.32 (5.9); accelerations of floating hyq 4.76 and
    3.50, 5.43 and 6.17 (9.6). Of panda, which share 1.8, but gain little: 1.84 for one sample, 2.99 for 1024, whole
@@ -113,7 +113,7 @@ static int most_groups(struct pass *const *passes, int count, int words, unsigne
 static int shares_much(const struct limbs *s)
 {
 	return (unsigned)s->slots * 100 > s->whole * SHARED_PERCENT ||
-	       100 * (s->longest + START + LATER) > GAIN_PERCENT * (s->whole + START);
+	       (s->slots > 0 && 100 * (s->longest + START + LATER) > GAIN_PERCENT * (s->whole + START));
 }
 
 static unsigned most_samples(const struct limbs *s, unsigned whole, int words, int count)

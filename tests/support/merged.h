@@ -4,7 +4,7 @@
 
 #include "passes/analysis.h"
 
-/* All that the passes made is in `a`; errors are theirs. */
+/* All that the passes made is in `a`; errors are theirs. Without a scene by the URDF's constants, which most tests are about. */
 static inline enum rneagen_code merged_analysis(struct analysis **x, const struct robot *r,
 	const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
 {
@@ -12,6 +12,7 @@ static inline enum rneagen_code merged_analysis(struct analysis **x, const struc
 	if (!*x)
 		return error_memory(e);
 	**x = (struct analysis){.robot = *r, .options = *o, .arena = a, .error = e};
+	(*x)->params.is_left = !o->scene;
 	(*x)->options.file = o->file ? o->file : "<input>";
 	return analysis_run(*x, PASS_SCENE_PARSE, PASS_SCENE_SELECT) ? e->code
 		: analysis_run(*x, PASS_ROBOT_SNAP, PASS_REQUEST_RESOLVE);
