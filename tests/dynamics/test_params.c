@@ -3,6 +3,7 @@
    catch a part of an inertia that is regrouped though it is felt, a frame whose turn, slide or links are not taken along, and a
    frame so far away that it costs accuracy. */
 #define _POSIX_C_SOURCE 200809L
+#include "passes/analysis.h"
 #include "passes/search.h"
 #include "tally.h"
 #include "support/exhaustive.h"
@@ -214,6 +215,36 @@ START_TEST(test_restated)
 }
 END_TEST
 
+/* What is taken where the scene does not say: base parameters where they save 7.5 %, 26 of iiwa14 and 3 of a hand; the URDF's where
+   constants have few digits. */
+START_TEST(test_unsaid)
+{
+	static const struct {
+		const char *robot, *scene;
+		int is_base;
+	} cases[] = {{"iiwa14", NULL, 1}, {"iiwa14", "params urdf", 0}, {"iiwa14", "round-constants 5", 0},
+		{"iiwa14", "round-constants 5\nparams base", 1}, {"allegro_right", NULL, 0}, {"allegro_right", "params auto", 1},
+		{"hyq", NULL, 1}, {"hyq", "want M", 0}, {"hyq", "want M\nparams base", 1}};
+
+	for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+		struct rneagen_options o = rneagen_options_default();
+		struct rneagen_error e;
+		struct analysis a;
+		char path[1024], *urdf;
+		size_t length;
+
+		snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", cases[i].robot);
+		urdf = read_file(path, &length);
+		o.scene = cases[i].scene;
+		ck_assert_msg(!analysis_open(&a, urdf, length, &o, &e), "%s", e.message);
+		ck_assert_msg(a.params.is_base == cases[i].is_base, "%s, %s: %s", cases[i].robot, o.scene ? o.scene : "no scene",
+			a.params.is_base ? "base" : "urdf");
+		analysis_free(&a);
+		free(urdf);
+	}
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("params");
@@ -225,6 +256,7 @@ int main(void)
 	tcase_add_test(c, test_random_trees);
 	tcase_add_test(c, test_nearly_parallel);
 	tcase_add_test(c, test_restated);
+	tcase_add_test(c, test_unsaid);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }
