@@ -26,7 +26,7 @@ static void set_up(uint64_t seed, int flags, enum rneagen_mimic mimic, const cha
 	options = rneagen_options_default();
 	options.base = seed % 3 ? RNEAGEN_FIXED : RNEAGEN_FLOATING;
 	options.mimic = mimic;
-	options.scene = scene;
+	options.scene = scene ? scene : "params urdf\n";
 	options.gravity[0] = 1.5;
 	urdf = torque_robot(seed, LINKS, flags);
 	snprintf(what, sizeof what, "random robot, seed %llu", (unsigned long long)seed);

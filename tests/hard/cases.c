@@ -141,12 +141,15 @@ static void open_model(struct hard *h)
 	struct reference_options o = {.floating = h->of->floating, .gravity = h->options.gravity};
 	struct model *m = &h->model;
 	struct rneagen_error e = {0};
+	struct analysis *x;
 	char message[256];
 
 	arena_init(&m->arena, NULL);
 	if (robot_read(&m->robot, h->urdf, h->length, h->of->name, &m->arena, &e) ||
-		merged_tree(&m->tree, &m->request, &m->robot, &h->options, &m->arena, &e))
+		merged_analysis(&x, &m->robot, &h->options, &m->arena, &e))
 		refuse(h, e.message);
+	m->tree = x->tree;
+	m->request = x->request;
 	dag_init(&m->raw[PASS_RNEA], &m->arena);
 	algorithm_find("rnea")->build(&m->raw[PASS_RNEA], &m->tree, &m->request);
 	dag_init(&m->dag[PASS_RNEA], &m->arena);
