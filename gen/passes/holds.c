@@ -1,6 +1,6 @@
 /* Which joints that the scene holds are merged with the body that carries them, and which are kept as fixed bodies of their own:
    where many bodies hang on a link that is turned by no right angle, each would take the turn for itself, and merging costs more
-   operations than it saves. So nothing costs more for being held. */
+   operations than it saves. So nothing costs more for being held, by the URDF's constants. */
 #include "passes/analysis.h"
 
 /* More are kept or merged all together, and so are fewer where each try takes long: operations of all tries. */

@@ -5,8 +5,8 @@
 #include <string.h>
 
 /* Where the scene says nothing, base parameters are taken if they need less than this share of the operations by the URDF's
-   constants: where less is saved, measured times go either way (gen/scene/README.md), and a text in the URDF's frames is easier to
-   follow. */
+   constants: where less is saved, measured times go either way (gen/scene/README.md), and a text in the URDF's frames is easier
+   to follow. */
 static const double WORTH_IT = 0.925;
 
 /* Operations of what is asked for, of a tree; -1 and an error. */

@@ -202,15 +202,15 @@ static void make_fast(struct drawn_array *qd, const struct tree *t, size_t sampl
 	}
 }
 
-static int before(const void *a, const void *b)
+static int compare_bodies(const void *a, const void *b)
 {
 	const struct tree_joint *x = a, *y = b;
 
 	return (x->body > y->body) - (x->body < y->body);
 }
 
-/* States are drawn joint by joint: body by body here, so that frames do not go by the order of the rows. Returns 0 when memory runs
-   out. */
+/* States are drawn joint by joint: body by body here, so that frames do not go by the order of the rows. Returns 0 when memory
+   runs out. */
 static int sort_joints(struct tree *by_body, const struct tree *t, struct arena *a)
 {
 	*by_body = *t;
@@ -218,18 +218,17 @@ static int sort_joints(struct tree *by_body, const struct tree *t, struct arena 
 	if (!by_body->joints)
 		return 0;
 	memcpy(by_body->joints, t->joints, (size_t)t->joint_count * sizeof *t->joints);
-	qsort(by_body->joints, (size_t)t->joint_count, sizeof *t->joints, before);
+	qsort(by_body->joints, (size_t)t->joint_count, sizeof *t->joints, compare_bodies);
 	return 1;
 }
 
-static int measure_in(struct search *s, struct measure *m, const struct dag *d, int is_fast, struct arena *spare)
+static int measure_in(struct search *s, struct measure *m, const struct tree *by_body, const struct dag *d, int is_fast,
+	struct arena *spare)
 {
-	struct tree by_body;
-
-	if (!sort_joints(&by_body, s->t, spare) || !draw_inputs(&m->inputs, &by_body, &TORQUES_REQUEST, &SAMPLES, &s->own))
+	if (!draw_inputs(&m->inputs, by_body, &TORQUES_REQUEST, &SAMPLES, &s->own))
 		return 0;
 	if (is_fast)
-		make_fast(&m->inputs.arrays[DRAWN_QD], &by_body, m->inputs.samples);
+		make_fast(&m->inputs.arrays[DRAWN_QD], by_body, m->inputs.samples);
 	m->reference = accuracy_reference(d, &m->inputs, &s->own);
 	return m->reference && accuracy_measure(&m->worst, d, &m->inputs, m->reference, spare);
 }
@@ -258,15 +257,16 @@ static int has_subnormals(const struct tree *t)
 static int measure(struct search *s)
 {
 	struct arena spare;
+	struct tree by_body;
 	struct dag d;
 	int done;
 
 	arena_init(&spare, s->allocator);
 	torques_build(&d, s->t, &spare);
 	s->stated = torques_flops(&d, &spare);
-	done = s->stated >= 0;
+	done = s->stated >= 0 && sort_joints(&by_body, s->t, &spare);
 	for (int i = 0; i < STATES && done; i++)
-		done = measure_in(s, &s->in[i], &d, i == FAST, &spare);
+		done = measure_in(s, &s->in[i], &by_body, &d, i == FAST, &spare);
 	arena_free(&spare);
 	return done;
 }

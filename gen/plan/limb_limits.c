@@ -112,8 +112,8 @@ static int most_groups(struct pass *const *passes, int count, int words, unsigne
 
 static int shares_much(const struct limbs *s)
 {
-	return (unsigned)s->slots * 100 > s->whole * SHARED_PERCENT ||
-	       (s->slots > 0 && 100 * (s->longest + START + LATER) > GAIN_PERCENT * (s->whole + START));
+	return s->slots > 0 && ((unsigned)s->slots * 100 > s->whole * SHARED_PERCENT ||
+			100 * (s->longest + START + LATER) > GAIN_PERCENT * (s->whole + START));
 }
 
 static unsigned most_samples(const struct limbs *s, unsigned whole, int words, int count)

@@ -14,7 +14,8 @@ struct prove_options {
 	double seconds; /* for all of it, proof and search */
 	unsigned threads; /* 0: one for each processor */
 	double start;   /* since when the seconds count, as seconds_now has it; 0: since prove is called */
-	const struct analysis *stated; /* the same outputs by the URDF's constants, for ranges, which are mostly closer so; NULL: as the text */
+	/* the same outputs by the URDF's constants, for ranges, which are mostly closer so; NULL: as the text */
+	const struct analysis *stated;
 	struct record *record; /* what a certificate needs to know, for the DAG's outputs; NULL: nothing */
 };
 

@@ -168,12 +168,12 @@ static int print(const struct proving *p, const struct proved *x)
 /* A certificate takes a share of the time. */
 #define SHARE_CERTIFICATE 0.33
 
-/* The same outputs by the URDF's constants, where the text has others and leaves nothing out. A certificate tells of one DAG. */
+/* The same outputs by the URDF's constants, where the text has others and leaves nothing out. */
 static const struct analysis *stated_of(struct proving *p, struct rneagen_error *e)
 {
 	struct analysis *x = &p->stated;
 
-	if (!p->analysis.params.is_base || p->analysis.adjust.prune != 0 || p->certificate)
+	if (!p->analysis.params.is_base || p->analysis.adjust.prune != 0)
 		return NULL;
 	analysis_copy(x, &p->analysis, &p->arena, e);
 	x->tree = x->stated;
@@ -188,11 +188,12 @@ static void prove_and_certify(struct proving *p, struct proof *proof, const stru
 	struct record record;
 	int position = dag_find_role(&p->analysis.dag, ROLE_JOINT_POSITION, 0);
 
-	o.stated = stated_of(p, e);
-	if (!p->certificate && !e->code)
-		prove(proof, &p->analysis, box, &o, progress, e);
-	if (!p->certificate)
+	if (!p->certificate) { /* which tells of one DAG, the text's */
+		o.stated = stated_of(p, e);
+		if (!e->code)
+			prove(proof, &p->analysis, box, &o, progress, e);
 		return;
+	}
 	if (!record_make(&record, p->analysis.dag.output_count, position < 0 ? 0 : p->analysis.dag.arguments[position].rows))
 		error_memory(e);
 	o.record = &record;

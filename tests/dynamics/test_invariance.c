@@ -165,8 +165,8 @@ static void move_pose(struct pose *to, const struct tree *t, const struct tree *
 	}
 }
 
-/* Another order of rows: the same bits in other places, also by base parameters, which are searched for: would catch a search whose
-   states go by rows. */
+/* Another order of rows: the same bits in other places, also by base parameters, which are searched for: would catch a search
+   whose states go by rows. */
 START_TEST(order_of_rows)
 {
 	int tried = 0, robots = _i ? ROBOTS / 8 : ROBOTS;

@@ -215,8 +215,8 @@ START_TEST(test_restated)
 }
 END_TEST
 
-/* What is taken where the scene does not say: base parameters where they save 7.5 %, 26 of iiwa14 and 3 of a hand; the URDF's where
-   constants have few digits. */
+/* What is taken where the scene does not say: base parameters where they save 7.5 %, 26 of iiwa14 and 3 of a hand; the URDF's
+   where constants have few digits. */
 START_TEST(test_unsaid)
 {
 	static const struct {

@@ -4,35 +4,31 @@
 
 #include "passes/analysis.h"
 
-/* All that the passes made is in `a`; errors are theirs. By the URDF's constants, or as the scene says. */
-static inline enum rneagen_code merged_by(struct analysis **x, int by_urdf, const struct robot *r,
+/* All that the passes made is in `a`; errors are theirs. */
+static inline enum rneagen_code merged_analysis(struct analysis **x, const struct robot *r,
 	const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
 {
 	*x = arena_alloc(a, 1, sizeof **x);
 	if (!*x)
 		return error_memory(e);
-	**x = (struct analysis){.robot = *r, .options = *o, .arena = a, .error = e, .params.is_left = by_urdf};
+	**x = (struct analysis){.robot = *r, .options = *o, .arena = a, .error = e};
 	(*x)->options.file = o->file ? o->file : "<input>";
 	return analysis_run(*x, PASS_SCENE_PARSE, PASS_SCENE_SELECT) ? e->code
 		: analysis_run(*x, PASS_ROBOT_SNAP, PASS_REQUEST_RESOLVE);
-}
-
-/* What a text is made from. */
-static inline enum rneagen_code merged_analysis(struct analysis **x, const struct robot *r,
-	const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
-{
-	return merged_by(x, 0, r, o, a, e);
 }
 
 /* Without a scene by the URDF's constants, which tests of trees are about. */
 static inline enum rneagen_code merged_tree(struct tree *t, struct request *k, const struct robot *r,
 	const struct rneagen_options *o, struct arena *a, struct rneagen_error *e)
 {
+	struct rneagen_options said = *o;
 	struct analysis *x;
 
 	*t = (struct tree){0};
 	*k = (struct request){0};
-	if (merged_by(&x, !o->scene, r, o, a, e))
+	if (!said.scene)
+		said.scene = "params urdf\n";
+	if (merged_analysis(&x, r, &said, a, e))
 		return e->code;
 	*t = x->tree;
 	*k = x->request;
