@@ -83,12 +83,25 @@ struct within within_sub(struct within a, struct within b)
 	return within_add(a, within_neg(b));
 }
 
-/* So is that of a product, unless it underflows. */
+/* The upper half of a number's digits. */
+static real upper(real a)
+{
+	const real scaled = a * ((real)(1ull << (LDBL_MANT_DIG + 1) / 2) + 1);
+
+	return scaled - (scaled - a);
+}
+
+/* So is that of a product, unless it underflows (Dekker, Numerische Mathematik 18, 1971). fmal gives the same, twenty times as
+   slowly where a processor has no such instruction. */
 static real rounding(real a, real b, real product)
 {
+	const real a1 = upper(a), b1 = upper(b), a2 = a - a1, b2 = b - b1;
+
 	if (a == 0 || b == 0)
 		return 0;
-	return fabsl(product) < LDBL_MIN / UNIT ? LDBL_MIN : fabsl(fmal(a, b, -product));
+	if (fabsl(product) < LDBL_MIN / UNIT)
+		return LDBL_MIN;
+	return fabsl(((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2);
 }
 
 struct within within_mul(struct within a, struct within b)

@@ -10,7 +10,7 @@
 #include <string.h>
 
 enum { LINKS = 10 };
-#define ROBOTS (sanitized() ? 20 : 80) /* random trees */
+#define ROBOTS (sanitized() ? 20 : exhaustive() ? 80 : 40) /* random trees */
 
 /* Is there an argument of this name? */
 static int has(const struct scene_model *m, const char *name)
