@@ -26,12 +26,12 @@ static const struct subject {
 	int is_long; /* others run nearly the same: where all is asked for */
 } APART[] = {
 	{"atlas", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {0}, 0},
-	{"g1_29dof", "", RNEAGEN_MIXED, RNEAGEN_SOA, 0, 2, {0}, 0},
+	{"g1_29dof", "", RNEAGEN_MIXED, RNEAGEN_SOA, 0, 2, {0}, 1},
 	{"g1_29dof", "want tau,gravity\nfree gravity\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {0}, 1},
 	{"limbs 2 24", "", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, {0}, 0},
 	{"g1_29dof", "free gravity:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {0}, 1},
 	{"g1_29dof", "want bias\nfree payload.left_ankle_roll_link\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {0}, 1},
-	{"limbs 3 16", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 3, {0}, 0},
+	{"limbs 3 16", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 3, {0}, 1},
 	{"limbs 3 16", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 3, {0}, 0},
 	{"atlas", "want qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {0}, 0},
 	{"g1_29dof", "want qdd\nfree gravity:sample\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, {0}, 1},
@@ -43,11 +43,11 @@ static const struct subject {
 	{"limbs 1 24", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {0}, 1},
 	{"atlas", "want tau,gravity\nvjp gravity\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {0}, 0}, /* many zeros */
 	{"limbs 2 17", "want tau,bias,gravity\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, {0}, 1}, /* whole it would have windows */
-	{"hands 5 3", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2}, 0},
+	{"hands 5 3", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2}, 1},
 	{"hands 4 4", "", RNEAGEN_F64, RNEAGEN_AOS, 0, 2, {2}, 0},
 	{"hands 5 4", "free payload.l2_6:batch\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2}, 1},
 	{"limbs 1 44", "", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {1, 1}, 0}, /* an arm in three pieces */
-	{"hands 5 2", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2}, 0},
+	{"hands 5 2", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2}, 1},
 	{"hands 5 3", "want tau,vjp\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, {2}, 0},
 	{"fists 4 3", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2}, 0}, /* not the few inputs of a hand are handed on */
 	{"limbs 2 40", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2, 2}, 1}, /* arms in three pieces */
