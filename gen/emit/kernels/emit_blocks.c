@@ -11,7 +11,7 @@ enum { BLOCK = 128 };
 enum { DERIVATIVE_BLOCK = 64 };
 
 /* Where launch bounds pay: see min_blocks. */
-enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100, LATE_SINGLE = 140, FULL_SINGLE = 220,
+enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100, FEW_DOUBLE = 64, LATE_SINGLE = 140, FULL_SINGLE = 220,
 	FULL_DOUBLE = 170, OVERFULL_DOUBLE = 340 };
 
 int emit_pitch(const struct emission *e, int rows)
@@ -86,7 +86,8 @@ int emit_window_bytes(const struct emission *e)
    is left out: gradients of iiwa14 190, 192, of hyq 180, 181; qdd of hyq 77, 81, of atlas 278, 280; tau of g1_29dof 192, 211; in f64,
    where registers spill, qdd with gradients of iiwa14 505, 560, of panda 1827, 1864. And parts: tau with vjp in f32 of g1_29dof 429, 401, of
    jvrc1 570, 524, but 16384 samples in 12.4 us instead of 11.8, and in 18.2 instead of 17.0, of atlas 405, 402, and 11.2 instead of 10.2;
-   gradients of atlas 1485, 1618, in f64 5174, 5621, of g1_29dof 6404, 7173; qdd of jvrc1 454, 502. */
+   gradients of atlas 1485, 1618, in f64 5174, 5621, of g1_29dof 6404, 7173; qdd of jvrc1 454, 502. And few doubles, in 168 registers:
+   gradients of hyq 356, 364, of solo12 357, 360, and 16384 samples in 6.6 us instead of 7.3, in 6.6 instead of 7.5. */
 int emit_is_prefetched(const struct emission *e)
 {
 	int alive;
@@ -95,7 +96,7 @@ int emit_is_prefetched(const struct emission *e)
 		return 0;
 	alive = plan_alive(&emit_main(e)->plan, e->arena);
 	if (e->arithmetic->bytes == 8)
-		return request_wants_derivative(e->request) && alive <= FULL_DOUBLE;
+		return request_wants_derivative(e->request) && alive > FEW_DOUBLE && alive <= FULL_DOUBLE;
 	if (e->request->is_forward && request_wants_derivative(e->request))
 		return 1;
 	return (e->request->is_forward || request_wants_derivative(e->request)) && alive > LATE_SINGLE && alive <= FULL_SINGLE;
@@ -142,8 +143,9 @@ static int is_overfull_forward(const struct emission *e)
 	return e->request->is_forward && e->arithmetic->bytes == 8 && most_alive(e) > OVERFULL_DOUBLE;
 }
 
-/* Derivatives in f64 that need no shared memory to spill into: what the compiler may give each of four blocks it then gives (H100,
-   1 M samples: hyq, 64 values alive, 0.416 ns instead of 0.433; but iiwa14, 137, 0.412 instead of 0.386). Of accelerations, where
+/* Derivatives in f64 that need no shared memory to spill into: what the compiler may give each of four blocks it then gives. Where
+   fewer values are alive it gives 168 registers, of which six blocks have room (H100, 1 M samples, ps, so and in 254: hyq 356 and
+   373, solo12 357 and 358). iiwa14, 137 values, takes 412 with a bound and 386 without. Of accelerations, where
    very many wait, the compiler's own choice is 168 registers, and it spills more: 7584 bytes instead of 6368 for floating hyq, 361 values
    alive; but of panda and of iiwa14 320 instead of 1008 and 192 instead of 720, for it then spills to shared memory. */
 static int min_derivative_blocks(const struct emission *e)
@@ -152,7 +154,7 @@ static int min_derivative_blocks(const struct emission *e)
 
 	if (e->arithmetic->bytes != 8)
 		return 0;
-	return (alive > MANY_ALIVE && alive <= MOST_ALIVE) || is_overfull_forward(e) ? 4 : 0;
+	return (alive > FEW_DOUBLE && alive <= MOST_ALIVE) || is_overfull_forward(e) ? 4 : 0;
 }
 
 /* Humanoids in f32 soa gain from room for a third block (H100: 168 registers, no spill), arms of some 50 values from room
