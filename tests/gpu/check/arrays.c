@@ -36,10 +36,28 @@ struct arrays arrays_new(const struct gpu *g, const struct rnea_info *info, cons
 	return a;
 }
 
+struct arrays arrays_new_shifted(const struct gpu *g, const struct rnea_info *info, const struct reference *r, size_t count)
+{
+	struct arrays a = arrays_new(g, info, r, count + 1);
+
+	a.count = count;
+	for (size_t i = 0; i < a.n; i++) {
+		a.shift[i] = i % 2 ? arrays_bytes(&(struct rnea_argument){.rows = 1, .scalar = info->arguments[i].scalar}, 1) : 0;
+		a.array[i].bytes = arrays_bytes(&info->arguments[i], count);
+		a.array[i].data += a.shift[i];
+		a.pointers[i] = (void *)(uintptr_t)a.array[i].data;
+		gpu_array_poison(g, &a.array[i]);
+	}
+	arrays_fill(g, &a, info, r);
+	return a;
+}
+
 void arrays_free(const struct gpu *g, struct arrays *a)
 {
-	for (size_t i = 0; i < a->n; i++)
+	for (size_t i = 0; i < a->n; i++) {
+		a->array[i].data -= a->shift[i];
 		gpu_array_free(g, &a->array[i]);
+	}
 	free(a->host);
 }
 

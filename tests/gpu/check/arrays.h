@@ -11,12 +11,15 @@ enum { ARRAYS_LIMIT = RNEA_ARGUMENT_LIMIT };
 struct arrays {
 	struct gpu_array array[ARRAYS_LIMIT];
 	void *pointers[ARRAYS_LIMIT]; /* as rnea_launch wants them */
-	size_t n, count;
+	size_t n, count, shift[ARRAYS_LIMIT]; /* shift: by how many bytes an array begins further on than its memory */
 	void *host; /* room for the largest */
 };
 
 size_t arrays_bytes(const struct rnea_argument *a, size_t count);
 struct arrays arrays_new(const struct gpu *g, const struct rnea_info *info, const struct reference *r, size_t count);
+
+/* The same, of which every other array begins an element further on: at no multiple of 16 bytes. */
+struct arrays arrays_new_shifted(const struct gpu *g, const struct rnea_info *info, const struct reference *r, size_t count);
 void arrays_free(const struct gpu *g, struct arrays *a);
 
 /* Read tau back and hold it against the reference; `what` is for the message. */

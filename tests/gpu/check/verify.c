@@ -73,6 +73,16 @@ static void verify_count(const struct gpu *g, struct item *it, const struct refe
 	arrays_free(g, &a);
 }
 
+/* It would catch slices that move 16 bytes at a time where their arrays do not begin at such. */
+static void verify_shifted(const struct gpu *g, struct item *it, const struct reference *r)
+{
+	struct arrays a = arrays_new_shifted(g, rnea_info(it->robot), r, r->q.count);
+
+	if (launched(g, it, "rnea", a.pointers, a.count))
+		check_torque(g, it, &a, a.n - 1, r, "arrays that begin anywhere");
+	arrays_free(g, &a);
+}
+
 /* Every element of v, a and f was written, and nothing around them. */
 static void check_written(const struct gpu *g, struct item *it, const struct gpu_array *array, const char *name)
 {
@@ -206,6 +216,7 @@ void verify(const struct gpu *g, const struct settings *s, struct item *it, cons
 		verify_count(g, it, r, s->counts[i]);
 	if (!it->is_alone)
 		verify_passes(g, it, r);
+	verify_shifted(g, it, r);
 	verify_capture(g, it, r);
 	verify_bad_sample(g, it, r);
 	verify_refusals(g, it);
