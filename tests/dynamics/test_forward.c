@@ -1,13 +1,15 @@
 /* qdd, M^-1 and derivatives of qdd of random trees and scenes, by both ways, against a solve of the independent reference in
    extended precision: a term that is lost or has the wrong sign, and what is differentiated through the qdd that is found. */
 #include "test_forward.h"
+#include "support/exhaustive.h"
 #include "support/suite.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { TREES = 150, LINKS = 10 };
+enum { LINKS = 10 };
+#define TREES (exhaustive() ? 150 : 90)
 
 /* Of the magnitudes: the URDF's numbers are doubles, and zeros stand for the rounding of such. */
 static const wide NOISE = 32 * 0x1p-53L;
@@ -295,7 +297,7 @@ START_TEST(trees)
 {
 	struct tally t = {0};
 
-	for (uint64_t seed = 8000; seed < 8000 + TREES; seed++) {
+	for (uint64_t seed = 8000; seed < 8000 + (uint64_t)TREES; seed++) {
 		char what[64];
 		const char *way = WAYS[seed % 4];
 		struct forward_case *f;

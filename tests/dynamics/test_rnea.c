@@ -14,7 +14,7 @@
 #define LIMIT_F64 5e-14
 #define LIMIT_F32 3e-6
 
-enum { SAMPLES = 200, RANDOM_ROBOTS = 80, RANDOM_SAMPLES = 8, MORE = 2 };
+enum { SAMPLES = 200, FEW_SAMPLES = 120, RANDOM_ROBOTS = 80, RANDOM_SAMPLES = 8, MORE = 2 };
 
 static void check_model(struct tally *t, const char *urdf, size_t length, const struct rneagen_options *o, const char *what,
 	uint64_t seed, int samples)
@@ -25,7 +25,7 @@ static void check_model(struct tally *t, const char *urdf, size_t length, const 
 	model_open(&m, urdf, length, o, what);
 	f64 = model_error_f64(&m, seed, samples);
 	f32 = model_error_f32(&m, seed + 1, samples);
-	if (samples >= SAMPLES)
+	if (samples >= FEW_SAMPLES)
 		printf("%-34s %-8s f64 %.1e rms %.1e, %.2f eps S; f32 %.1e rms %.1e, %.2f eps S\n", what,
 			o->base == RNEAGEN_FLOATING ? "floating" : "fixed", f64.max, f64.rms, f64.terms, f32.max, f32.rms,
 			f32.terms);
@@ -35,7 +35,7 @@ static void check_model(struct tally *t, const char *urdf, size_t length, const 
 
 static int sample_count(void)
 {
-	return sanitized() ? RANDOM_SAMPLES : exhaustive() ? MORE * SAMPLES : SAMPLES;
+	return sanitized() ? RANDOM_SAMPLES : exhaustive() ? MORE * SAMPLES : FEW_SAMPLES;
 }
 
 static void check_robot(const char *path, const char *name, void *context)

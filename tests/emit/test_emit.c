@@ -1,6 +1,7 @@
 /* Pieces of the text: numbers, templates, identifiers, the names of values. */
 #include "emit/emit.h"
 #include "base/identifier.h"
+#include "support/exhaustive.h"
 #include "support/model.h"
 #include "support/random_robot.h"
 #include "support/rng.h"
@@ -12,7 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { RANDOM_NUMBERS = 30000, RANDOM_ROBOTS = 60 };
+enum { RANDOM_NUMBERS = 30000 };
+#define RANDOM_ROBOTS (exhaustive() ? 60u : 20u)
 
 static struct arena arena;
 static struct rneagen_error error;

@@ -294,7 +294,7 @@ START_TEST(test_covers)
 	static const struct cover_case {
 		int robot;
 		double seconds, slack; /* 0: any */
-	} CASES[] = {{3, 0.5, 1.5}, {6, 2.5, 0}, {9, 0.5, 0}};
+	} CASES[] = {{3, 0.5, 1.5}, {6, 2.5, 0}, {9, 0.5, 0}}; /* the second in half the time where not all is asked for */
 	struct rng r = rng_seed(SEED + 1);
 	struct set_up s;
 	struct box box;
@@ -302,7 +302,7 @@ START_TEST(test_covers)
 	set_up(&s, CASES[_i].robot);
 	memcpy(box.rows, s.relaxed.rows, sizeof box.rows);
 	for (int i = 0; i < s.count; i++) {
-		double seconds = CASES[_i].seconds, most = CASES[_i].slack, slack;
+		double seconds = CASES[_i].seconds / (_i == 1 && !exhaustive() ? 2 : 1), most = CASES[_i].slack, slack;
 
 		if (s.fields[i].dim_count < 3)
 			continue;

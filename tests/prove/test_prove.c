@@ -17,38 +17,39 @@ static const double ABOVE = 1.005;
 static const struct proof_case {
 	const char *name, *scene;
 	double slack; /* of ranges, reached sooner or later; 0: any */
+	int is_long;  /* others are nearly the same: where all is asked for */
 } CASES[] = {
-	{"pendulum", "range qdd=-5,5\nrange qd=-3,3\nrange q=-3,3", 1.02},
-	{"double_pendulum", "range qdd=-5,9\nrange q=-3,3\nrange qd=-2,5", 1.1},
-	{"double_pendulum", "range q=0.25,0.25\nrange qd=1,1\nrange qdd=2,2", 1 + 1e-6},
-	{"cartpole", "range qdd=-5,9\nrange qd=-2,5\nrange q=-1,1", 1.1},
-	{"prismatic_skew", "range qdd=-5,9\nrange q=-1,2\nrange qd=-2,5", 2},
-	{"skew_axis", "range qdd=-5,9\nrange q=-1,2\nrange qd=-2,5", 2},
-	{"negative_axes", "range qdd=-5,9\nrange q=-1,2\nrange qd=-2,5", 2},
-	{"hyq", "range qdd=-20,20", 0},
-	{"ur5", "range qdd=-20,20", 0},
-	{"iiwa14", "range qdd=-20,20", 0},
-	{"iiwa14", "range q=0.25,0.25\nrange q.iiwa_joint_4=-2,2\nrange qdd=-20,20", 1.3},
-	{"iiwa14", "range q=0.3,0.7\nrange qd=0.1,0.5\nrange qdd=1,1", 0},
-	{"iiwa14", "want gravity,bias", 0},
-	{"panda", "range qdd=-20,20", 0},
-	{"panda", "want M", 0},
-	{"fetch", "range qdd=-20,20\nrange qd=-1,1", 0},
-	{"cartpole", "range qdd=-5,9\nrange qd=-2,5\nrange q=-1,1\nfriction\ndamping", 1.05},
-	{"cartpole", "range qdd=0,0\nrange qd=0.125,0.125\nrange q=0,0\nfriction", 1 + 1e-6},
-	{"panda", "range qdd=-20,20\nfriction\ndamping", 0},
-	{"mimic:double_pendulum", "range qdd=-20,20\nrange qd=-2,2\nrange q=-3,3", 1.1},
-	{"planar_joint", "range qdd=-20,20\nrange qd=-2,2", 1.05},
-	{"planar_tilted", "range q=-1,1\nrange qdd=-20,20\nrange qd=-2,2", 0},
-	{"mimic_chain", "range qdd=-20,20\nrange qd=-2,2", 0},
-	{"robotiq_2f_85", "range qdd=-20,20\nrange qd=-2,2", 0},
-	{"floating_joint", "range q=-1,1\nrange qdd=-20,20\nrange qd=-2,2", 0},
-	{"floating:hyq", "range qdd=-20,20\nrange qd=-2,2", 0},
-	{"floating:double_pendulum", "range qdd=-20,20\nrange qd=-2,2\nrange q=-1,1\nwant gravity", 1.05},
-	{"double_pendulum", "free payload.lower,mass.upper\nrange payload.lower=0,2\nrange mass.upper=1,2\nrange q=-1,1\nrange qdd=-2,2\nrange qd=-2,2", 1.1},
+	{"pendulum", "range qdd=-5,5\nrange qd=-3,3\nrange q=-3,3", 1.02, 0},
+	{"double_pendulum", "range qdd=-5,9\nrange q=-3,3\nrange qd=-2,5", 1.1, 0},
+	{"double_pendulum", "range q=0.25,0.25\nrange qd=1,1\nrange qdd=2,2", 1 + 1e-6, 0},
+	{"cartpole", "range qdd=-5,9\nrange qd=-2,5\nrange q=-1,1", 1.1, 0},
+	{"prismatic_skew", "range qdd=-5,9\nrange q=-1,2\nrange qd=-2,5", 2, 0},
+	{"skew_axis", "range qdd=-5,9\nrange q=-1,2\nrange qd=-2,5", 2, 0},
+	{"negative_axes", "range qdd=-5,9\nrange q=-1,2\nrange qd=-2,5", 2, 1},
+	{"hyq", "range qdd=-20,20", 0, 0},
+	{"ur5", "range qdd=-20,20", 0, 1},
+	{"iiwa14", "range qdd=-20,20", 0, 1},
+	{"iiwa14", "range q=0.25,0.25\nrange q.iiwa_joint_4=-2,2\nrange qdd=-20,20", 1.3, 0},
+	{"iiwa14", "range q=0.3,0.7\nrange qd=0.1,0.5\nrange qdd=1,1", 0, 1},
+	{"iiwa14", "want gravity,bias", 0, 0},
+	{"panda", "range qdd=-20,20", 0, 1},
+	{"panda", "want M", 0, 0},
+	{"fetch", "range qdd=-20,20\nrange qd=-1,1", 0, 1},
+	{"cartpole", "range qdd=-5,9\nrange qd=-2,5\nrange q=-1,1\nfriction\ndamping", 1.05, 0},
+	{"cartpole", "range qdd=0,0\nrange qd=0.125,0.125\nrange q=0,0\nfriction", 1 + 1e-6, 0},
+	{"panda", "range qdd=-20,20\nfriction\ndamping", 0, 1},
+	{"mimic:double_pendulum", "range qdd=-20,20\nrange qd=-2,2\nrange q=-3,3", 1.1, 0},
+	{"planar_joint", "range qdd=-20,20\nrange qd=-2,2", 1.05, 0},
+	{"planar_tilted", "range q=-1,1\nrange qdd=-20,20\nrange qd=-2,2", 0, 0},
+	{"mimic_chain", "range qdd=-20,20\nrange qd=-2,2", 0, 0},
+	{"robotiq_2f_85", "range qdd=-20,20\nrange qd=-2,2", 0, 1},
+	{"floating_joint", "range q=-1,1\nrange qdd=-20,20\nrange qd=-2,2", 0, 0},
+	{"floating:hyq", "range qdd=-20,20\nrange qd=-2,2", 0, 0},
+	{"floating:double_pendulum", "range qdd=-20,20\nrange qd=-2,2\nrange q=-1,1\nwant gravity", 1.05, 0},
+	{"double_pendulum", "free payload.lower,mass.upper\nrange payload.lower=0,2\nrange mass.upper=1,2\nrange q=-1,1\nrange qdd=-2,2\nrange qd=-2,2", 1.1, 0},
 	{"double_pendulum",
 		"free inertia.lower,gravity,offset.elbow\nrange inertia.lower=1,2\nrange gravity=-9,9\nrange offset.elbow=-1,1\nrange q=-1,1\n"
-		"range qdd=-2,2\nrange qd=-2,2", 0},
+		"range qdd=-2,2\nrange qd=-2,2", 0, 0},
 };
 enum { CASE_COUNT = sizeof CASES / sizeof *CASES };
 
@@ -133,6 +134,8 @@ START_TEST(test_holds)
 	struct robot_box x;
 	struct proof p;
 
+	if (CASES[_i].is_long && !exhaustive())
+		return;
 	robot_box_open(&x, CASES[_i].name, CASES[_i].scene, 0);
 	p = proof_within(&x, CASES[_i].slack);
 	check_slack(&p, x.analysis.dag.output_count, CASES[_i].slack);

@@ -12,7 +12,7 @@
 #include <string.h>
 
 enum { LINKS = 10 };
-#define ROBOTS (exhaustive() ? 60 : 30) /* random trees */
+#define ROBOTS (exhaustive() ? 60 : 20) /* random trees */
 
 /* The angle PART of two joints and of an inertial. */
 #define BENT(part)                                                                                                           \

@@ -10,7 +10,7 @@
 #include <string.h>
 
 enum { LINKS = 10 };
-#define ROBOTS (sanitized() ? 20 : exhaustive() ? 80 : 40) /* random trees */
+#define ROBOTS (sanitized() ? 20 : exhaustive() ? 80 : 24) /* random trees */
 
 /* Is there an argument of this name? */
 static int has(const struct scene_model *m, const char *name)
@@ -133,22 +133,27 @@ static void compare_rest(char *urdf, const struct rneagen_options *o, uint64_t s
 	case_close(b);
 }
 
+struct tour {
+	int seen, count;
+};
+
+/* Every second robot, or all where all is asked for. */
 static void rest_of(const char *path, const char *name, void *context)
 {
 	struct rneagen_options o = rneagen_options_default();
-	int *count = context;
+	struct tour *tour = context;
 	size_t length;
 
-	if (strncmp(name, "xfail_", 6)) {
+	if (strncmp(name, "xfail_", 6) && (tour->seen++ % 2 == 0 || exhaustive())) {
 		compare_rest(read_file(path, &length), &o, 1, name);
-		++*count;
+		tour->count++;
 	}
 }
 
 START_TEST(at_rest)
 {
 	const char *folder = getenv("RNEAGEN_ROBOTS");
-	int count = 0;
+	struct tour tour = {0};
 
 	for (uint64_t seed = 1; seed <= (uint64_t)ROBOTS; seed++) {
 		struct task_case *c = case_random(seed, LINKS, NO_ODD_NAMES);
@@ -158,12 +163,12 @@ START_TEST(at_rest)
 			case_close(c);
 		}
 	}
-	for_each_urdf(TEST_DIR "/robots", rest_of, &count);
+	for_each_urdf(TEST_DIR "/robots", rest_of, &tour);
 	if (folder)
-		for_each_urdf(folder, rest_of, &count);
+		for_each_urdf(folder, rest_of, &tour);
 	else
 		printf("skipped: further robots; set RNEAGEN_ROBOTS\n");
-	printf("at rest: random trees, seeds 1 to %d, and %d robots\n", ROBOTS, count);
+	printf("at rest: random trees, seeds 1 to %d, and %d robots\n", ROBOTS, tour.count);
 }
 END_TEST
 

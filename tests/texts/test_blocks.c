@@ -242,7 +242,8 @@ START_TEST(test_windows)
 	trial_open(&t, s, s->blocks[0]);
 	ck_assert_ptr_nonnull(strstr(t.text.text.source, "#define RNEA_SLOTS "));
 	for (int b = 0; b < 3 && s->blocks[b]; b++)
-		check_block(s, &t.text, &t.x, s->blocks[b], MOST);
+		if (exhaustive() || !b || _i + b != 2) /* each of the first two leaves out a size that another one has */
+			check_block(s, &t.text, &t.x, s->blocks[b], MOST);
 	trial_close(&t);
 }
 END_TEST

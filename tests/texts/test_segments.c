@@ -91,7 +91,7 @@ static const struct looped {
 	{"allegro_right", "want dqdd_dqd,dqdd_dq\n", 0, 4, RNEAGEN_F64, RNEAGEN_SOA, 0, 0},
 	{"iiwa14", "want qdd,dqdd_dqd,dqdd_dq\ndense\n", 0, 1, RNEAGEN_F32, RNEAGEN_AOS, 0, 0},
 	{"two chains", "want dqdd_dq,dqdd_dqd\n", 0, 2, RNEAGEN_F64, RNEAGEN_AOS, 0, 0},
-	{"two chains", "want dqdd_dqd\ndense\n", 0, 2, RNEAGEN_F32, RNEAGEN_SOA, 0, 0},
+	{"two chains", "want dqdd_dqd\ndense\n", 0, 2, RNEAGEN_F32, RNEAGEN_SOA, 0, 1},
 	{"stage", "want dqdd_dq,dqdd_dqd\n", 1, 0, RNEAGEN_F64, RNEAGEN_SOA, 0, 0},
 	{"hyq", "want dqdd_dq\n", 1, 0, RNEAGEN_F64, RNEAGEN_SOA, 1, 0},
 	{"hyq", "want dqdd_dq\n", 0, 0, RNEAGEN_F64, RNEAGEN_SOA, 0, 0}, /* legs that do not feel each other */
@@ -244,11 +244,13 @@ START_TEST(test_chosen)
 	o.base = c->base;
 	target_generate(&t, urdf, length, &o, c->name);
 	ck_assert_int_eq(strstr(t.text.source, "_segment1(") != NULL, c->is_cut);
-	o.segments = RNEAGEN_SEGMENTS_WHOLE;
-	target_generate(&whole, urdf, length, &o, c->name);
-	ck_assert_ptr_null(strstr(whole.text.source, "_segment1("));
 	rneagen_result_free(&t.text);
-	rneagen_result_free(&whole.text);
+	o.segments = RNEAGEN_SEGMENTS_WHOLE;
+	if (c->is_cut || exhaustive()) {
+		target_generate(&whole, urdf, length, &o, c->name);
+		ck_assert_ptr_null(strstr(whole.text.source, "_segment1("));
+		rneagen_result_free(&whole.text);
+	}
 	free(urdf);
 }
 END_TEST

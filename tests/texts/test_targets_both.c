@@ -50,7 +50,8 @@ static void open_both(struct both *b, const char *robot, const struct rneagen_op
 	b->sources[1] = target_path("both", ".cu");
 	b->library = target_path("both", ".so");
 	/* pairs of floats in line take compilers long, and many bodies do; test_targets_f32x2 has pairs optimised */
-	const int is_pair = o->precision == RNEAGEN_F32X2, is_quick = is_pair || (!exhaustive() && !strcmp(robot, "hyq"));
+	const int is_pair = o->precision == RNEAGEN_F32X2, is_quick = is_pair ||
+		(!exhaustive() && (!strcmp(robot, "hyq") || !strcmp(robot, "iiwa14")));
 	const char *const argv[] = {compiler, "-std=c11", WARNING_FLAGS, "-Wshadow", is_quick ? "-O0" : "-O1", "-fPIC",
 		"-shared", "-o", b->library.s, b->sources[0].s, "-x", "c", b->sources[1].s, "-lm", is_quick &&
 		is_pair ? "-Dalways_inline=unused" : NULL, NULL};

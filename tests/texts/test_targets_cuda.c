@@ -160,7 +160,8 @@ static void generate(struct target *t, const char *path, struct rneagen_options 
 	free(urdf);
 }
 
-/* A text as it is asked for, by NVRTC and by nvcc if that is asked for, where they are; in the long form, by one of them. */
+/* A text as it is asked for, by NVRTC and by nvcc if that is asked for, where they are; in the long form, and where it may not spill, by
+   one of them. */
 static void check_text(const char *path, struct rneagen_options *o, const char *robot, int no_spill, int by_nvcc)
 {
 	struct target t;
@@ -170,7 +171,7 @@ static void check_text(const char *path, struct rneagen_options *o, const char *
 	generate(&t, path, o, name, robot);
 	if (nvcc && (by_nvcc || nvrtc_is_missing))
 		check_nvcc(&t, robot, no_spill);
-	if (!by_nvcc || !nvcc || !exhaustive())
+	if (!by_nvcc || !nvcc || (!exhaustive() && !no_spill))
 		check_nvrtc(&t);
 	target_close(&t);
 }

@@ -1,7 +1,7 @@
-/* Texts in two-float arithmetic, compiled and run: all own robots, and a few by every compiler setting, above all where
-   a compiler may join products to sums (which once undid the error-free sum). All in one text each, those with followers
-   in short segments, where one segment reads an input as an angle and another one otherwise; where all is asked for, fixed
-   and floating. */
+/* Texts in two-float arithmetic, compiled and run: about every second of our robots, or all where all is
+   asked for, and a few by every compiler setting, above all where a compiler may join products to sums (which once undid
+   the error-free sum). All in one text each, those with followers in short segments, where one segment reads an input as
+   an angle and another one otherwise. */
 #define _POSIX_C_SOURCE 200809L
 #include "dag/eval.h"
 #include "emit/number_type.h"
@@ -125,7 +125,7 @@ static void check_robot(const char *name, enum rneagen_base base, const struct c
 
 struct session {
 	struct worst worst;
-	int turn;
+	int robots, turn;
 };
 
 static void check_own(const char *path, const char *file, void *context)
@@ -137,6 +137,9 @@ static void check_own(const char *path, const char *file, void *context)
 	char name[128];
 
 	(void)path;
+	/* with those whose joints others do not have */
+	if (s->robots++ % 2 && !exhaustive() && !strstr(file, "mimic") && !strstr(file, "floating_joint"))
+		return;
 	snprintf(name, sizeof name, "%.*s", (int)(strlen(file) - 5), file);
 	for (int base = RNEAGEN_FIXED, only = s->turn / 3 % 2; base <= RNEAGEN_FLOATING; base++)
 		if (base == only)

@@ -159,7 +159,7 @@ static char *drawn(uint64_t seed, char **rotors)
 
 START_TEST(random_trees)
 {
-	int trees = exhaustive() ? 80 : 24, finite = 0;
+	int trees = exhaustive() ? 80 : 16, finite = 0;
 
 	for (uint64_t seed = 0; seed < (uint64_t)trees; seed++) {
 		char *rotors, *urdf = drawn(seed, &rotors), name[32];
