@@ -17,7 +17,8 @@ const char *template_expand_to(struct text *out, const char *tmpl, const char *e
 
 /* The files of templates/, by name with '.' turned into '_' (made by embed.cmake). */
 extern const char template_kernel_cu_in[], template_kernel_soa_in[], template_kernel_aos_in[], template_stage_aos_in[];
-extern const char template_kernel_windowed_in[], template_windows_in[], template_stage_copy_in[], template_stage_bulk_in[], template_bounded_finite_in[];
+extern const char template_kernel_windowed_in[], template_windows_in[], template_stage_copy_in[], template_stage_bulk_in[], template_stage_come_in[],
+	template_bounded_finite_in[];
 extern const char template_kernel_soa_staged_in[], template_stage_in[], template_slices_in[],
 	template_stage_launch_in[], template_store_in[], template_prefetch_in[];
 extern const char template_zeros_in[], template_zeros_table_in[], template_zeros_loop_in[];

@@ -238,6 +238,34 @@ START_TEST(test_nvcc)
 }
 END_TEST
 
+/* Parts whose slices are pieces of each sample: nothing stands there that only whole slices use. */
+START_TEST(test_pieces)
+{
+	struct target_path source = target_path("pieces", ".cu"), object = target_path("pieces", ".o");
+	const char *const argv[] = {target_nvcc(), "-arch=sm_90", "-DRNEA_NO_LIMBS", "-Werror", "all-warnings", "-c", "-o", object.s,
+		source.s, NULL};
+	struct rneagen_options o = rneagen_options_default();
+	size_t length;
+	char *urdf = target_robot("atlas", &length);
+	struct target t;
+
+	o.scene = "want tau,vjp\n";
+	o.precision = RNEAGEN_F64;
+	o.layout = RNEAGEN_AOS;
+	target_generate(&t, urdf, length, &o, "atlas in pieces");
+	ck_assert_ptr_nonnull(strstr(t.text.source, "rneagen_stage_rows_in<"));
+	ck_assert_ptr_null(strstr(t.text.source, "rneagen_stage_in<"));
+	if (argv[0]) {
+		target_write(source, t.text.source);
+		target_compile(&t, argv);
+		unlink(object.s);
+		unlink(source.s);
+	}
+	rneagen_result_free(&t.text);
+	free(urdf);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *s = suite_create("blocks_compilers");
@@ -246,5 +274,6 @@ int main(void)
 	unsetenv("RNEA_NVRTC");
 	suite_add(s, "nvrtc", test_nvrtc, 1, 600);
 	suite_add(s, "nvcc", test_nvcc, 4, 120);
+	suite_add(s, "pieces", test_pieces, 1, 120);
 	return suite_run(s);
 }

@@ -11,8 +11,8 @@ enum { BLOCK = 128 };
 enum { DERIVATIVE_BLOCK = 64 };
 
 /* Where launch bounds pay: see min_blocks. */
-enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100, FEW_DOUBLE = 64, LATE_SINGLE = 140, FULL_SINGLE = 220,
-	FULL_DOUBLE = 170, OVERFULL_DOUBLE = 340 };
+enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100, FEW_DOUBLE = 64, LATE_SINGLE = 140,
+	FULL_SINGLE = 220, FULL_DOUBLE = 170, OVERFULL_DOUBLE = 340 };
 
 int emit_pitch(const struct emission *e, int rows)
 {

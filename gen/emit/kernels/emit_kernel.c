@@ -332,7 +332,9 @@ static void put_stage_aos(const struct emission *e, const struct slot *slots, si
 	const struct kernel_frames *f = e->target->kernel;
 	int has_whole = !emit_is_apart(e) || e->part_count == 1;
 
-	template_expand(out, f->stage_bulk, slots, count);
+	if (has_whole)
+		template_expand(out, f->stage_bulk, slots, count);
+	template_expand(out, f->stage_come, slots, count);
 	if (has_whole)
 		template_expand(out, f->stage_aos, slots, count);
 	if (!has_whole || (emit_is_apart(e) && e->parts->pass.stretches->period))
