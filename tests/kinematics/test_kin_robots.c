@@ -1,7 +1,7 @@
 /* Robots of tests/robots, about every second where not all is asked for, and numerically hard cases: a base and a frame
    1000 km off, angles of 1e5 rad, at the qdd found. In quad precision against the independent reference, and in f64 and
-   f32, where an arm of one metre must not lose the digits that the base's 1000 km take. Would catch a sum about the world's origin, and a chain of a real robot
-   that is ordered otherwise. */
+   f32, where an arm of one metre must not lose the digits that the base's 1000 km take. Would catch a sum about the world's
+   origin, and a chain of a real robot that is ordered otherwise. */
 #define _POSIX_C_SOURCE 200809L
 #include "kinematics/kin_case.h"
 #include "support/exhaustive.h"
@@ -52,11 +52,10 @@ static int deepest(const struct reference *r)
 static int is_left_out(const char *name, int number)
 {
 	const int each = sanitized() ? 4 : exhaustive() ? 1 : 2;
-	/* joints that others of the short form do not have */
-	const int is_kind = !sanitized() && (strstr(name, "floating_joint") || strstr(name, "mimic_chain"));
+	const int is_kept = !sanitized() && has_rare_joints(name);
 
 	/* differences of 75 columns take their time */
-	return strncmp(name, "xfail", 5) == 0 || strcmp(name, "chain_75.urdf") == 0 || (number % each && !is_kind);
+	return strncmp(name, "xfail", 5) == 0 || strcmp(name, "chain_75.urdf") == 0 || (number % each && !is_kept);
 }
 
 static void check_robot(const char *folder, const char *name, enum rneagen_base base, enum want_frame frame,

@@ -137,8 +137,7 @@ static void check_own(const char *path, const char *file, void *context)
 	char name[128];
 
 	(void)path;
-	/* with those whose joints others do not have */
-	if (s->robots++ % 2 && !exhaustive() && !strstr(file, "mimic") && !strstr(file, "floating_joint"))
+	if (s->robots++ % 2 && !exhaustive() && !has_rare_joints(file))
 		return;
 	snprintf(name, sizeof name, "%.*s", (int)(strlen(file) - 5), file);
 	for (int base = RNEAGEN_FIXED, only = s->turn / 3 % 2; base <= RNEAGEN_FLOATING; base++)

@@ -7,7 +7,8 @@ struct last_lines {
 	size_t *line;                /* by row of all arguments */
 };
 
-/* By node: the line in which it is made. A value without a name is made in the line of what it stands in, which comes after it. */
+/* By node: the line in which it is made. A value without a name is made in the line of what it stands in, which comes
+   after it. */
 static size_t *lines_of(const struct plan *p, struct arena *a)
 {
 	const struct dag *d = p->dag;

@@ -2,12 +2,12 @@
 #include "plan/lanes/lanes.h"
 #include "dynamics/registry.h"
 
-/* Operations, of lanes one for all, over those without, in percent; how many are saved at least. Zen 5, saved operations and times:
-   upkie, torques 50, 1.14, qdd 80, 1.06; a hand, torques 223, 0.83. */
+/* Operations, of lanes one for all, over those without, in percent; how many are saved at least. Zen 5, saved operations and
+   times: upkie, torques 50, 1.14, qdd 80, 1.06; a hand, torques 223, 0.83. */
 enum { WORTH_PERCENT = 95, LEAST_SAVED = 120 };
 
-/* Torques, accelerations, and their derivatives: nothing that is told in the frame of a link. A call's last bits are then not those
-   of a batch. */
+/* Torques, accelerations, and their derivatives: nothing that is told in the frame of a link. A call's last bits are then not
+   those of a batch. */
 static int may_have_lanes(const struct request *k, const struct rneagen_options *o)
 {
 	for (int i = 0; i < k->want_count; i++)

@@ -18,7 +18,8 @@ static void arrays_fill(const struct gpu *g, struct arrays *a, const struct rnea
 	GPU(g, cuCtxSynchronize, ());
 }
 
-struct arrays arrays_new(const struct gpu *g, const struct rnea_info *info, const struct reference *r, size_t count)
+/* Every other array begins an element further on than its memory, if that is asked for. */
+static struct arrays make(const struct gpu *g, const struct rnea_info *info, const struct reference *r, size_t count, int is_shifted)
 {
 	struct arrays a = {.n = info->input_count + info->output_count, .count = count};
 	size_t most = 0;
@@ -26,7 +27,10 @@ struct arrays arrays_new(const struct gpu *g, const struct rnea_info *info, cons
 	for (size_t i = 0; i < a.n; i++) {
 		size_t bytes = arrays_bytes(&info->arguments[i], count);
 
-		a.array[i] = gpu_array_new(g, bytes);
+		a.shift[i] = is_shifted && i % 2 ? bytes / (info->arguments[i].rows * count) : 0;
+		a.array[i] = gpu_array_new(g, bytes + a.shift[i]);
+		a.array[i].data += a.shift[i];
+		a.array[i].bytes = bytes;
 		a.pointers[i] = (void *)(uintptr_t)a.array[i].data;
 		most = bytes > most ? bytes : most;
 	}
@@ -36,20 +40,14 @@ struct arrays arrays_new(const struct gpu *g, const struct rnea_info *info, cons
 	return a;
 }
 
+struct arrays arrays_new(const struct gpu *g, const struct rnea_info *info, const struct reference *r, size_t count)
+{
+	return make(g, info, r, count, 0);
+}
+
 struct arrays arrays_new_shifted(const struct gpu *g, const struct rnea_info *info, const struct reference *r, size_t count)
 {
-	struct arrays a = arrays_new(g, info, r, count + 1);
-
-	a.count = count;
-	for (size_t i = 0; i < a.n; i++) {
-		a.shift[i] = i % 2 ? arrays_bytes(&(struct rnea_argument){.rows = 1, .scalar = info->arguments[i].scalar}, 1) : 0;
-		a.array[i].bytes = arrays_bytes(&info->arguments[i], count);
-		a.array[i].data += a.shift[i];
-		a.pointers[i] = (void *)(uintptr_t)a.array[i].data;
-		gpu_array_poison(g, &a.array[i]);
-	}
-	arrays_fill(g, &a, info, r);
-	return a;
+	return make(g, info, r, count, 1);
 }
 
 void arrays_free(const struct gpu *g, struct arrays *a)
