@@ -35,15 +35,29 @@ static int limb_of_number(const struct finder *f, uint32_t i)
 	return limb > 0 ? limb : 0;
 }
 
-/* The limb, from 1, that an input's row belongs to, and which of the first limb's bodies has its place; 0: none. */
+/* Of what follows the joints, once or several times, as weights of torques do: which joints' row it is. -1: it does not. */
+static int joint_row(const struct finder *f, const struct argument *a, int row)
+{
+	int nv = f->tree->nv, is_of_joints = role_rows(a->role) == ROWS_NV || a->role == ROLE_COTANGENT || a->role == ROLE_TANGENT;
+
+	return is_of_joints && nv > 0 && a->rows % nv == 0 ? row % nv : -1;
+}
+
+/* The limb, from 1, that an input's row belongs to, and its place: which of the first limb's bodies, and in which turn; 0: none. */
 static int limb_of_input(const struct finder *f, const struct node *n, uint64_t *place)
 {
-	enum role_rows rows = n->arg[0].i < DAG_COLUMN ? role_rows(f->d->arguments[n->arg[0].i].role) : ROWS_VECTOR;
-	int limb = 0, body = 0;
+	const struct argument *a = &f->d->arguments[n->arg[0].i];
+	int is_q, row, limb = 0, body = 0;
 
-	if (rows == ROWS_NQ || rows == ROWS_NV)
-		limb = alike_limb(f->limbs, f->tree, rows == ROWS_NQ, (int)n->arg[1].i, &body);
-	*place = limb ? (uint64_t)body : 0;
+	*place = 0;
+	if (n->arg[0].i >= DAG_COLUMN)
+		return 0;
+	is_q = role_rows(a->role) == ROWS_NQ;
+	row = is_q ? (int)n->arg[1].i : joint_row(f, a, (int)n->arg[1].i);
+	if (row >= 0)
+		limb = alike_limb(f->limbs, f->tree, is_q, row, &body);
+	if (limb)
+		*place = (uint64_t)body + (uint64_t)f->tree->body_count * (is_q ? 0 : n->arg[1].i / (uint32_t)f->tree->nv);
 	return limb;
 }
 
