@@ -8,8 +8,8 @@
 typedef long double real;
 
 /* x from doubles; near from decimals, at most e from the exact number. In a text of lanes numbers that differ from
-   limb to limb know theirs, and no rule looks at their values: limb 1 and up; 0: of none, -1: made of several limbs' own. What they
-   are made of gives them a kind, the same in each limb. */
+   limb to limb know theirs, and no rule looks at their values: limb 1 and up; 0: of none, -1: made of several limbs' own. What
+   they are made of gives them a kind, the same in each limb. */
 struct within {
 	real x, near, e;
 	int limb;

@@ -1,4 +1,5 @@
-/* A relay's first and third kernel, what launches all, and the same calls one after the other, where the text is compiled as C. */
+/* A relay's first and third kernel, what launches all, and the same calls one after the other, where the text is compiled
+   as C. */
 #include "base/template.h"
 #include "emit/emit.h"
 #include "plan/stage.h"
@@ -99,7 +100,8 @@ static const char *column_text(const struct emission *e, const struct column_run
 	return text_string(&t);
 }
 
-/* Columns are numbered in the order of the runs, and a loop's runs stand together. Each loop is written once: its text is long. */
+/* Columns are numbered in the order of the runs, and a loop's runs stand together. Each loop is written once: its text is
+   long. */
 static const char *loops_text(const struct emission *e)
 {
 	const struct dag *d = &solve_of(e)->dag;
@@ -126,7 +128,8 @@ static const char *solve_call(const struct emission *e)
 
 	text_init(&arguments, e->arena);
 	text_printf(&arguments, "%s, across, 32", emit_params(e, solve_of(e), PARAMS_AT_SAMPLE));
-	const struct call c = {.indent = "\t\t", .arguments = text_string(&arguments), .q = emit_q_at_sample(e), .stride = emit_stride(e)};
+	const struct call c = {.indent = "\t\t", .arguments = text_string(&arguments), .q = emit_q_at_sample(e),
+		.stride = emit_stride(e)};
 
 	return emit_call(e, solve_of(e), &c);
 }
@@ -137,8 +140,8 @@ void emit_relay_solve(const struct emission *e, struct text *out)
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->numbers->value},
 		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"RETURN", emit_has_known(e) ? "return " : ""},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
-		{"KNOWN_PARAM", emit_known_params(e)}, {"KNOWN", emit_handed_on(e, emit_known_names(e))}, {"WARPS", emit_int(e, e->relay->warps)},
-		{"BYTES", emit_int(e, emit_relay_bytes(e))}, {"BLOCKS", emit_int(e, e->relay->blocks)},
+		{"KNOWN_PARAM", emit_known_params(e)}, {"KNOWN", emit_handed_on(e, emit_known_names(e))},
+		{"WARPS", emit_int(e, e->relay->warps)}, {"BYTES", emit_int(e, emit_relay_bytes(e))}, {"BLOCKS", emit_int(e, e->relay->blocks)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", solve_call(e)}, {"LOOPS", loops_text(e)}};
 
 	template_expand(out, template_kernel_solve_in, slots, sizeof slots / sizeof *slots);
@@ -150,8 +153,9 @@ const char *emit_launch_relay(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
-		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
+		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},
 		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"ROOM", emit_int(e, e->relay ? e->relay->room : 0)},
 		{"LAUNCH_LIMBS", emit_launch_start_limbs(e)}, {"START_PARTS", emit_along(e, e->relay ? e->relay->start_count : 0)}};
 
