@@ -31,7 +31,7 @@ extern const char template_bounded_in[], template_bounded_sincos_in[], template_
 	template_bounded_quotient_in[], template_bounded_function_in[];
 extern const char template_swept_in[], template_swept_function_in[];
 extern const char template_parts_in[], template_kernel_apart_in[];
-extern const char template_parts_apart_in[], template_launch_hands_in[], template_stage_rows_aos_in[];
+extern const char template_parts_apart_in[], template_launch_hands_in[], template_stage_rows_aos_in[], template_stage_join_in[];
 extern const char template_segment_in[], template_segment_lanes_in[], template_segment_one_in[], template_part_segments_in[];
 extern const char template_segment_columns_in[], template_segment_columns_row_in[], template_segment_columns_put_in[];
 extern const char template_kernel_solve_in[], template_kernel_columns_in[], template_launch_relay_in[];
@@ -49,7 +49,7 @@ extern const char template_joints_in[], template_independent_in[], template_func
 extern const char template_kernel_limbs_in[], template_limbs_join_in[], template_limb_in[];
 extern const char template_limb_known_in[], template_launch_limbs_in[];
 extern const char template_kernel_again_in[], template_call_known_in[], template_call_any_in[], template_spill_in[];
-extern const char template_columns_in[], template_segment_columns_c_in[], template_lanes_in[], template_lanes_call_in[];
+extern const char template_columns_in[], template_segment_columns_c_in[], template_lanes_in[], template_lanes_call_in[], template_each_in[], template_each_numbers_in[];
 extern const char template_segment_columns_many_in[], template_segment_zeros_in[];
 extern const char template_sines_in[], template_sines_bytes_in[], template_header_known_in[];
 extern const char template_patterns_c_in[], template_patterns_cu_in[], template_arithmetic_strict_header_in[];

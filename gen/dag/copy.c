@@ -24,6 +24,7 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 	memcpy(out->rooms, d->rooms, sizeof out->rooms);
 	out->run_count = d->run_count;
 	out->width = d->width;
+	out->is_each = d->is_each;
 	out->loop_count = d->loop_count;
 	for (size_t i = 0; i < d->count; i++) {
 		const struct tag *tag = &d->nodes[i].tag;

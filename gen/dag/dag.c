@@ -109,7 +109,7 @@ struct ref dag_find(const struct dag *d, enum op op, struct ref a, struct ref b,
 static int is_wide(const struct dag *d, const struct key *k)
 {
 	const struct ref args[] = {k->a, k->b, k->c};
-	int wide = k->op == OP_WIDEN || k->op == OP_PACK || k->is_wide;
+	int wide = k->op == OP_WIDEN || k->op == OP_PACK || k->is_wide || (k->op == OP_INPUT && k->c.i >= DAG_EACH);
 
 	for (int i = 0; i < op_arity[k->op] && k->op != OP_NARROW && k->op < OP_LANE0; i++)
 		wide |= (int)d->nodes[args[i].i].is_wide;

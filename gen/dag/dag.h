@@ -26,7 +26,7 @@ struct tag {
 
 struct node {
 	enum op op;
-	struct ref arg[3]; /* INPUT: arg[0].i is the argument, arg[1].i the row, arg[2].i tells readings apart */
+	struct ref arg[3]; /* INPUT: arg[0].i is the argument, arg[1].i the row, arg[2].i tells readings apart, or is of a loop */
 	real value;        /* CONST; if arg[0].i is not 0, which of the DAG's lanes it is, from 1, and so is this */
 	struct tag tag;
 	uint32_t number : 31; /* CONST: which of the DAG's numbers it is, counted from 1; 0: exactly the value */
@@ -38,6 +38,7 @@ enum { DAG_LANES = 4 };
 
 struct dag_lanes {
 	real x[DAG_LANES];
+	int loop; /* of a DAG with loops over limbs: whose constant it is, from 1; else 0 */
 };
 
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
@@ -87,6 +88,9 @@ struct column_room {
 /* A row has room for a multiple of so many. */
 enum { DAG_COLUMNS_UNIT = 8 };
 
+/* Readings of inputs are those of a loop over limbs from its number times this on. */
+enum { DAG_EACH = 1 << 16 };
+
 enum { DAG_RUNS = 256, DAG_LOOPS = 64 };
 
 struct dag {
@@ -98,6 +102,7 @@ struct dag {
 	struct within *numbers; /* of constants that are not exactly their value */
 	size_t number_count, number_capacity;
 	int width;               /* lanes of its wide nodes: four, or two */
+	int is_each;             /* these are made by loops over limbs, one lane after the other (plan/lanes/each.h) */
 	struct dag_lanes *lanes; /* of constants that are not the same in all lanes */
 	size_t lane_count, lane_capacity;
 	struct argument arguments[DAG_ARGUMENTS + DAG_LOOPS]; /* the last ones, of the loops, are not counted */
@@ -177,6 +182,19 @@ struct ref dag_input(struct dag *d, int argument, int row);
 /* The same input, read from memory once more; `reading` tells such readings apart, and is 0 for the first. Like dag_anew, another
    value. */
 struct ref dag_input_anew(struct dag *d, int argument, int row, int reading);
+/* In the loop over limbs of this number, from 1: the first limb's row, and where that of each other one is. It is wide. */
+struct ref dag_input_each(struct dag *d, int argument, int row, int loop);
+/* Of an input: its loop over limbs; 0: it is read in none. */
+static inline int dag_loop_of(const struct node *input)
+{
+	return (int)(input->arg[2].i / DAG_EACH);
+}
+
+/* And which reading of it, from 0. */
+static inline int dag_reading_of(const struct node *input)
+{
+	return (int)(input->arg[2].i % DAG_EACH);
+}
 struct ref dag_neg(struct dag *d, struct ref a);
 struct ref dag_add(struct dag *d, struct ref a, struct ref b);
 struct ref dag_sub(struct dag *d, struct ref a, struct ref b);

@@ -59,7 +59,7 @@ static struct within number(const struct dag *d, struct ref a)
 
 static int are_same(const struct dag_lanes *a, const struct dag_lanes *b)
 {
-	return a->x[0] == b->x[0] && a->x[1] == b->x[1] && a->x[2] == b->x[2] && a->x[3] == b->x[3];
+	return a->x[0] == b->x[0] && a->x[1] == b->x[1] && a->x[2] == b->x[2] && a->x[3] == b->x[3] && a->loop == b->loop;
 }
 
 /* The value is its place among the DAG's. */
@@ -132,6 +132,11 @@ struct ref dag_input_anew(struct dag *d, int argument, int row, int reading)
 struct ref dag_input(struct dag *d, int argument, int row)
 {
 	return dag_input_anew(d, argument, row, 0);
+}
+
+struct ref dag_input_each(struct dag *d, int argument, int row, int loop)
+{
+	return dag_input_anew(d, argument, row, DAG_EACH * loop);
 }
 
 /* The same constant in another type. */

@@ -95,11 +95,17 @@ void emit_unused(const struct emission *e, const struct plan *p, const char *pre
 		put_unused_sines(e, p, out);
 }
 
+/* A loop holds a limb's lines once. */
+static const struct pass *lines_of(const struct pass *p)
+{
+	return p->each ? p->each : p;
+}
+
 static void put_statements(const struct emission *e, const struct pass *p, struct text *out)
 {
 	emit_unused(e, &p->plan, "", out);
 	text_put(out, emit_has_known(e) ? "\tint all_small = 1;\n" : "");
-	unparse(e, p, e->numbers, out);
+	unparse(e, lines_of(p), e->numbers, out);
 	text_put(out, emit_has_known(e) ? "\treturn all_small;\n" : "");
 }
 
@@ -111,9 +117,13 @@ static void put_body(const struct emission *e, const struct pass *p, struct text
 		{"RESULT", emit_has_known(e) ? "int" : "void"},
 		{"RETURNS", emit_has_known(e) ? EMIT_RETURNS : ""},
 	};
-	size_t count = sizeof slots / sizeof *slots, from = out->length;
-	const char *rest = template_expand_to(out, template_body_in, "BODY", slots, count);
+	size_t count = sizeof slots / sizeof *slots, from;
+	const char *rest;
 
+	if (p->each)
+		emit_each_numbers(e, p->each, out);
+	from = out->length;
+	rest = template_expand_to(out, template_body_in, "BODY", slots, count);
 	fold(out, from);
 	put_statements(e, p, out);
 	template_expand(out, rest, slots, count);

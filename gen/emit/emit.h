@@ -5,6 +5,7 @@
 #include "emit/number_type.h"
 #include "emit/target_type.h"
 #include "plan/grid/relay.h"
+#include "plan/lanes/angles.h"
 #include "rneagen.h"
 #include "scene/adjust.h"
 
@@ -69,6 +70,12 @@ const char *emit_hands_kernel(const struct emission *e, int level);
 
 /* The most joints of a stretch whose motion a part makes again (plan/grid/again.h); 0: none does. */
 int emit_joints_again(const struct emission *e);
+
+/* Loops over alike limbs in the main kernel (plan/lanes/each.h); NULL: there are none. */
+static inline const struct each *emit_loops(const struct emission *e)
+{
+	return e->part_count && e->parts->pass.each ? e->parts->pass.each->loops : NULL;
+}
 
 /* Of the nodes that are wide; NULL: there are none. */
 static inline const struct number_type *emit_wide(const struct emission *e)
@@ -335,10 +342,13 @@ int emit_zero_runs(const struct emission *e, const struct dag *d, const struct o
 	struct text *out);
 
 /* Where the slices of a staged kernel, or of its part (NULL: all of it), begin, what the body is called with, and how rows come and
-   go; their declaration. */
+   go, and what comes between; their declaration. Does a vjp that stands in three slices leave as one? Does anything come or go as some
+   rows of each sample? */
 struct slices {
-	const char *slices, *here, *pointers, *move_in, *move_out;
+	const char *slices, *here, *pointers, *move_in, *move_out, *join;
 };
+int emit_is_joined(const struct emission *e);
+int emit_moves_some(const struct emission *e);
 struct slices emit_slices(const struct emission *e, const struct part *part);
 const char *emit_slices_declaration(const struct emission *e);
 
@@ -404,16 +414,8 @@ int emit_has_known(const struct emission *e);
 
 /* The angles of a pass, each once, in the order of the statements: those whose sines are wide numbers, or the others. A part
    has those of the whole. */
-struct angles {
-	const struct dag *dag;
-	struct ref *angle;
-	int count;
-};
 struct angles emit_angles(const struct emission *e, const struct pass *p, int is_wide);
 int emit_has_angles(const struct emission *e, const struct pass *p);
-
-/* Where an angle of a DAG stands in the list; -1: nowhere. */
-int emit_angle_place(const struct angles *list, const struct dag *d, struct ref angle);
 
 /* Those two arguments: as parameters after others, "" where there are none; as they are handed on; as they are where nothing
    is known. */

@@ -23,44 +23,14 @@ static const struct pass *table_of(const struct emission *e, const struct pass *
 	if (p == emit_main(e)->many || p == emit_main(e)->single || p == emit_main(e)->beside || emit_is_relays(e, p))
 		return emit_main(e);
 	for (int i = 0; i < e->part_count; i++)
-		if (p == &e->parts[i].pass)
+		if (p == &e->parts[i].pass || p == e->parts[i].pass.each)
 			return emit_main(e);
 	return p;
 }
 
 struct angles emit_angles(const struct emission *e, const struct pass *p, int is_wide)
 {
-	const struct pass *table = table_of(e, p);
-	struct angles list = {.dag = &table->dag};
-
-	list.angle = arena_alloc(e->arena, plan_operations(&table->plan).sincos, sizeof *list.angle);
-	for (size_t i = 0; list.angle && i < table->plan.line_count; i++) {
-		const struct line *l = &table->plan.lines[i];
-
-		if (l->kind == LINE_SINCOS && (int)table->dag.nodes[l->value.i].is_wide == is_wide)
-			list.angle[list.count++] = table->dag.nodes[l->value.i].arg[0];
-	}
-	return list;
-}
-
-static int is_same(const struct dag *d, struct ref a, const struct dag *other, struct ref b)
-{
-	const struct node *x = &d->nodes[a.i], *y = &other->nodes[b.i];
-	int same = x->op == y->op && x->value == y->value;
-
-	if (same && x->op == OP_INPUT)
-		return x->arg[0].i == y->arg[0].i && x->arg[1].i == y->arg[1].i;
-	for (int k = 0; same && k < op_arity[x->op]; k++)
-		same = is_same(d, x->arg[k], other, y->arg[k]);
-	return same;
-}
-
-int emit_angle_place(const struct angles *list, const struct dag *d, struct ref angle)
-{
-	for (int i = 0; i < list->count; i++)
-		if (list->dag == d ? list->angle[i].i == angle.i : is_same(list->dag, list->angle[i], d, angle))
-			return i;
-	return -1;
+	return angles_of(table_of(e, p), is_wide, e->arena);
 }
 
 /* ---- arguments ---- */

@@ -161,6 +161,8 @@ static void put_functions(const struct emission *e, struct text *out)
 			"what hands left in the last array; rows that a part's slice lacks; from a row of handed to the next", out);
 	if (emit_is_apart(e) && e->parts->pass.stretches->period)
 		put_entry("skip", "from one row of the vjp to its next for qd, or qdd, where it stands where these were", out);
+	if (emit_loops(e))
+		put_entry("each ..._each", "in a loop over limbs that are alike, which of them it is; an array where the limb's rows begin", out);
 	if (emit_has_segments(e))
 		put_entry("across step", "values that one segment leaves for another; from one of them to the next", out);
 	if (emit_has_segments(e))

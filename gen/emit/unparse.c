@@ -97,7 +97,9 @@ static void put_expression(const struct unparser *u, struct ref a, struct text *
 {
 	const struct node *n = &u->plan->dag->nodes[a.i];
 
-	if (n->op == OP_CONST) {
+	if (n->op == OP_CONST && u->loop && n->arg[0].i) {
+		emit_put_each_number(u, n, out);
+	} else if (n->op == OP_CONST) {
 		u->numbers->put_constant(u, n, out);
 	} else if (n->op >= OP_WIDEN) {
 		(n->op >= OP_PAIR ? emit_put_lanes : put_conversion)(u, n, out);
@@ -118,12 +120,14 @@ static void put_expression(const struct unparser *u, struct ref a, struct text *
 static void put_load(const struct unparser *u, const struct node *n, struct text *out)
 {
 	put_around(&u->numbers->load, 0, out);
-	text_put(out, n->arg[2].i ? "RNEA_READ_ANEW(" : "");
-	if (u->pass->stretches && u->plan->dag->arguments[n->arg[0].i].is_output)
+	text_put(out, dag_reading_of(n) ? "RNEA_READ_ANEW(" : "");
+	if (dag_loop_of(n))
+		unparse_element_each(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
+	else if (u->pass->stretches && u->plan->dag->arguments[n->arg[0].i].is_output)
 		unparse_index("handed", n->arg[1].i, "step", out);
 	else
 		unparse_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
-	text_put(out, n->arg[2].i ? ")" : "");
+	text_put(out, dag_reading_of(n) ? ")" : "");
 	put_around(&u->numbers->load, 1, out);
 }
 
@@ -141,11 +145,15 @@ static void put_angle(const struct unparser *u, struct ref a, struct text *out)
 }
 
 /* `, known, sines + 2`: where sine and cosine stand if they are known. */
-static void put_known(const struct unparser *u, int place, struct text *out)
+static void put_known(const struct unparser *u, struct ref angle, struct text *out)
 {
+	int place = angles_place(&u->sines, u->plan->dag, angle, u->pass->loops, 0);
+
 	text_printf(out, ", known, sines%s", u == u->wide ? "_wide" : "");
 	if (place > 0)
 		text_printf(out, " + %d", 2 * place);
+	if (u->loop)
+		emit_put_each_step(u, angle, place, out);
 	out->failed |= place < 0;
 }
 
@@ -155,7 +163,7 @@ static void put_sincos(const struct unparser *u, struct ref a, struct text *out)
 	const struct plan *p = u->plan;
 	const struct node *n = &p->dag->nodes[a.i];
 	struct ref s = n->op == OP_SIN ? a : plan_partner(p, a, OP_SIN), c = n->op == OP_COS ? a : plan_partner(p, a, OP_COS);
-	int asks = emit_has_known(e) && !u->numbers->is_beside, place = asks ? emit_angle_place(&u->sines, p->dag, n->arg[0]) : 0;
+	int asks = emit_has_known(e) && !u->numbers->is_beside;
 	const char *sine = p->names[s.i], *cosine = p->names[c.i];
 	char unused[80];
 
@@ -166,7 +174,7 @@ static void put_sincos(const struct unparser *u, struct ref a, struct text *out)
 	text_printf(out, "%s%s(", asks ? "all_small &= " : "", emit_sincos_name(e, u->numbers));
 	put_angle(u, n->arg[0], out);
 	if (asks)
-		put_known(u, place, out);
+		put_known(u, n->arg[0], out);
 	text_printf(out, ", &%s, &%s)", sine, cosine);
 }
 
@@ -187,7 +195,7 @@ static void put_store(const struct unparser *u, size_t output, struct text *out)
 		text_printf(out, "bound[%d]", unparse_first_bound(u->plan->dag, o->argument) + o->row);
 	} else {
 		text_put(out, slot >= 0 ? "RNEA_HOLD(" : is_call ? "RNEA_STORE(" : "");
-		unparse_element(u, o->argument, o->row, out);
+		(u->loop ? unparse_element_each : unparse_element)(u, o->argument, o->row, out);
 	}
 	if (slot >= 0)
 		text_printf(out, ", %d", slot);
@@ -202,6 +210,10 @@ static void put_assignment(const struct unparser *u, struct ref a, struct text *
 {
 	const struct node *n = &u->plan->dag->nodes[a.i];
 
+	if (u->loop && n->op >= OP_LANE0) {
+		emit_put_leaving(u, a, out);
+		return;
+	}
 	text_printf(out, "const %s %s = ", u->numbers->value, u->plan->names[a.i]);
 	if (n->op == OP_INPUT)
 		put_load(u, n, out);
@@ -256,6 +268,8 @@ static int is_silent(const struct unparser *u, const struct line *l)
 {
 	if (u->zeros != ZEROS_AMONG && emit_is_zero_store(u->plan, l) != (u->zeros == ZEROS_ALONE))
 		return 1;
+	if (u->loop && l->kind == LINE_STORE) /* once for all limbs */
+		return emit_is_later_limb(u, l);
 	return l->kind == LINE_INPUT && u->angles && u->angles[l->value.i];
 }
 
@@ -266,10 +280,8 @@ static void put_flush_before(const struct unparser *u, const struct line *l, str
 		emit_put_flush(u->emission, u->pass, u->pass->windows.before[l->index] - 1, out);
 }
 
-static void put_line(struct unparser *u, const struct line *l, struct text *out)
+static void put_whole_line(struct unparser *u, const struct line *l, struct text *out)
 {
-	size_t from = out->length;
-
 	if (l->kind == LINE_SECTION && u->zeros == ZEROS_ALONE) {
 		return;
 	} else if (l->kind == LINE_SECTION) {
@@ -280,6 +292,17 @@ static void put_line(struct unparser *u, const struct line *l, struct text *out)
 		put_statement(u, l, out);
 		text_put(out, ";\n");
 	}
+}
+
+static void put_line(struct unparser *u, const struct line *l, struct text *out)
+{
+	size_t from = out->length;
+	struct text own;
+
+	text_init(&own, u->emission->arena);
+	put_whole_line(u, l, u->loop ? &own : out);
+	if (u->loop)
+		text_put_indented(out, text_string(&own));
 	fold(out, from);
 }
 
@@ -311,8 +334,11 @@ void unparse_within(struct writer *w, const struct plan *lines)
 
 void unparse_lines(struct writer *w, const struct plan *p, struct text *out)
 {
-	for (size_t i = 0; i < p->line_count; i++)
+	for (size_t i = 0; i < p->line_count; i++) {
+		emit_each_before(&w->own, p, i, out);
 		put_line(&w->own, &p->lines[i], out);
+	}
+	emit_each_before(&w->own, p, p->line_count, out);
 }
 
 /* Each input as its load; nothing else has a name. */

@@ -15,6 +15,7 @@ struct unparser {
 	const unsigned char *angles; /* per node: an input that sines and cosines alone read, as memory has it; NULL: none */
 	/* stores of what is always zero: among the others, not written, nothing else is */
 	enum { ZEROS_AMONG, ZEROS_LEFT, ZEROS_ALONE } zeros;
+	int loop; /* over limbs, which the lines are in, from 1; 0: none (kernels/emit_each.c) */
 	int is_over_columns; /* lines of a loop over columns, on a processor */
 	struct angles sines; /* where the table of known ones has them */
 	size_t sections; /* so many of the plan's DAG are behind */
@@ -55,6 +56,23 @@ void emit_put_lanes(const struct unparser *u, const struct node *n, struct text 
    samples share. */
 void unparse_index(const char *array, unsigned i, const char *step, struct text *out);
 void unparse_element(const struct unparser *u, int argument, int row, struct text *out);
+/* The same of the limb whose turn it is in a loop: the row is the first limb's. */
+void unparse_element_each(const struct unparser *u, int argument, int row, struct text *out);
+
+/* Loops over alike limbs. The table of constants that are not the same in all of them, before the body of the pass; one of
+   them. Before a line: the end of a loop that it is not in, and the beginning of one that it is in. A number that leaves the loop. How much
+   further on than those of the first limb the sines of an angle stand. */
+void emit_each_numbers(const struct emission *e, const struct pass *p, struct text *out);
+void emit_put_each_number(const struct unparser *u, const struct node *n, struct text *out);
+void emit_each_before(struct unparser *u, const struct plan *lines, size_t line, struct text *out);
+void emit_put_leaving(const struct unparser *u, struct ref a, struct text *out);
+void emit_put_each_step(const struct unparser *u, struct ref angle, int first, struct text *out);
+
+/* Does a store of the loop speak of a limb other than the first, whose store serves all? */
+int emit_is_later_limb(const struct unparser *u, const struct line *store);
+
+/* The end of a name in a loop: `q_each` points to the rows of the limb. */
+#define EMIT_EACH "_each"
 
 /* A name, a number, or an expression: for a record that writes an operation in its own way. */
 void unparse_value(const struct unparser *u, struct ref a, struct text *out);

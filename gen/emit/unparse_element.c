@@ -1,6 +1,7 @@
 /* Rows of arrays. */
 #include "emit/unparse.h"
 #include "plan/stretch.h"
+#include <stdio.h>
 
 void unparse_index(const char *array, unsigned i, const char *step, struct text *out)
 {
@@ -21,19 +22,31 @@ static void put_divided(const struct stretches *s, const char *array, int row, s
 	text_put(out, "skip)*stride]");
 }
 
-void unparse_element(const struct unparser *u, int argument, int row, struct text *out)
+static void put_row(const struct unparser *u, const char *array, int argument, int row, struct text *out)
 {
-	const struct argument *a = &u->plan->dag->arguments[argument];
 	const struct stretches *s = u->pass->stretches;
 
-	text_put(out, u->is_over_columns ? "RNEA_COLUMNS_AT(" : "");
-	if (a->per_batch || u->numbers->is_beside)
-		text_printf(out, "%s[%d]", a->name, row);
+	if (u->plan->dag->arguments[argument].per_batch || u->numbers->is_beside)
+		text_printf(out, "%s[%d]", array, row);
 	else if (s && s->period && argument == s->divided && row >= s->period)
-		put_divided(s, a->name, row, out);
+		put_divided(s, array, row, out);
 	else if (s && s->gap && row >= s->second)
-		text_printf(out, "%s[(%d - gap)*stride]", a->name, row);
+		text_printf(out, "%s[(%d - gap)*stride]", array, row);
 	else
-		unparse_index(a->name, (unsigned)row, "stride", out);
+		unparse_index(array, (unsigned)row, "stride", out);
+}
+
+void unparse_element(const struct unparser *u, int argument, int row, struct text *out)
+{
+	text_put(out, u->is_over_columns ? "RNEA_COLUMNS_AT(" : "");
+	put_row(u, u->plan->dag->arguments[argument].name, argument, row, out);
 	text_put(out, u->is_over_columns ? ")" : "");
+}
+
+void unparse_element_each(const struct unparser *u, int argument, int row, struct text *out)
+{
+	char array[80];
+
+	snprintf(array, sizeof array, "%.70s" EMIT_EACH, u->plan->dag->arguments[argument].name);
+	put_row(u, array, argument, row, out);
 }

@@ -147,6 +147,8 @@ static void copy_all(const struct orderer *x, struct dag *out, struct ref *map)
 {
 	int body = -1;
 
+	out->width = x->p->dag->width;
+	out->is_each = x->p->dag->is_each;
 	for (int i = 0; i < x->p->dag->argument_count; i++)
 		dag_argument_of(out, x->p->dag->arguments[i]);
 	for (uint32_t i = 0; i < x->count; i++) {
@@ -181,15 +183,17 @@ static int is_acceleration(const struct request *k)
 	return k->is_forward && !request_wants_derivative(k) && !request_wants(k, WANT_MINV);
 }
 
-static int takes(struct waiting w, struct waiting own, size_t room, const struct request *k, int is_part)
+static int takes(struct waiting w, struct waiting own, size_t room, const struct request *k, enum plan_ordered what)
 {
-	if (is_part)
+	if (what == ORDERED_LOOPS)
+		return 1;
+	if (what == ORDERED_PART)
 		return is_better_for_part(w, own);
 	return is_acceleration(k) ? is_better_for_accelerations(w, own, room) : is_better(w, own, room);
 }
 
-int plan_order(struct pass *p, const struct tree *t, const struct request *k, const struct rneagen_options *o, int is_part,
-	struct arena *a)
+int plan_order(struct pass *p, const struct tree *t, const struct request *k, const struct rneagen_options *o,
+	enum plan_ordered what, struct arena *a)
 {
 	struct orderer x = {.p = &p->plan, .t = t};
 	size_t room = o->precision == RNEAGEN_F32 ? ROOM_SINGLE : ROOM_DOUBLE;
@@ -202,7 +206,7 @@ int plan_order(struct pass *p, const struct tree *t, const struct request *k, co
 		struct waiting own = waiting_in(&x, NULL, room);
 		struct waiting w = write_best(&x, is_acceleration(k) ? ORDER_WAYS : 1, room);
 
-		if (takes(w, own, room, k, is_part) && reads_first(&x, &spare))
+		if (takes(w, own, room, k, what) && reads_first(&x, &spare))
 			done = takes_over(&x, p, a, &spare);
 		done = done && !spare.failed;
 	}

@@ -28,7 +28,7 @@ static int deserves_line(const struct planner *b, size_t i)
 
 	if (n->op == OP_CONST || n->op == OP_PAIR)
 		return 0;
-	if (n->op == OP_INPUT || n->op == OP_SIN || n->op == OP_COS)
+	if (n->op == OP_INPUT || n->op == OP_SIN || n->op == OP_COS || (b->d->is_each && n->op >= OP_LANE0))
 		return 1;
 	if (n->op == OP_NEG && is_leaf(b, n->arg[0]))
 		return 0;
@@ -159,7 +159,7 @@ static const char *name_value(struct planner *b, size_t i, unsigned *temporaries
 		name_input(b, n, first, sizeof first);
 	else if (n->op == OP_WIDEN && b->p->names[n->arg[0].i])
 		snprintf(first, sizeof first, "%.55s_wide", b->p->names[n->arg[0].i]);
-	else if (n->is_wide && n->tag.quantity[0])
+	else if (n->is_wide && !b->d->is_each && n->tag.quantity[0])
 		snprintf(first, sizeof first, "%s%d%.1s_wide", n->tag.quantity, n->tag.body, &n->tag.component);
 	else if (n->tag.quantity[0])
 		snprintf(first, sizeof first, "%s%d%.1s", n->tag.quantity, n->tag.body, &n->tag.component);

@@ -4,6 +4,7 @@
    of the lines. One plan serves every target. */
 
 #include "dynamics/registry.h"
+#include "tree/alike.h"
 
 enum line_kind { LINE_SECTION, LINE_INPUT, LINE_VALUE, LINE_SINCOS, LINE_STORE, LINE_FETCH, LINE_KEEP, LINE_JOIN };
 
@@ -64,6 +65,17 @@ struct windows {
 	int flush_count;
 };
 
+/* Loops over alike limbs (lanes/each.h), by number from 1. */
+struct each {
+	int limbs, count;                  /* turns of each loop; loops */
+	int shift[ALIKE_GROUPS + 1];       /* from the rows of one limb to those of the next one */
+	int first[ALIKE_GROUPS + 1][ALIKE_LIMBS], bodies[ALIKE_GROUPS + 1]; /* the first body of each limb; how many it has */
+	const unsigned char *loop;         /* by node: which one makes it; 0: none */
+	int number_count;                  /* constants that are not the same in all limbs, in a table */
+	const int *number;                 /* of the table: which of the DAG's lanes it is */
+	const int *place;                  /* of the DAG's lanes: where it stands, from 1; less than 0: its negation does */
+};
+
 /* One generated function on its way to text. */
 struct pass {
 	const struct algorithm *algorithm;
@@ -72,6 +84,8 @@ struct pass {
 	struct segments segments;
 	struct windows windows;
 	struct limbs limbs;
+	const struct pass *each;   /* of a part of a kernel: the same with loops over alike limbs, which its text then has; NULL: none */
+	const struct each *loops;  /* of such a pass */
 	const struct stretches *stretches; /* of a part that shares nothing with the others (grid/apart.h): its rows; NULL: it may */
 	const struct pass *beside; /* target C: what a call for one sample runs, in lanes (lanes/lanes.h), where compilers have vectors */
 	int lanes_in_batches;      /* so does what a batch leaves over: nothing promises its bits */
@@ -89,10 +103,14 @@ struct operation_count {
 /* The DAG must be fused. Returns 0 when memory runs out. */
 int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a);
 
-/* Puts the DAG of a pass, or of a part that shares nothing with others, and its plan, into an order in which fewer values wait,
-   where it finds one (order.c). Returns 0 when memory runs out. */
-int plan_order(struct pass *p, const struct tree *t, const struct request *k, const struct rneagen_options *o, int is_part,
-	struct arena *a);
+/* What is put into another order: a pass, a part that shares nothing with others, or what has loops over limbs, which takes any
+   order in which rows are written late. */
+enum plan_ordered { ORDERED_WHOLE, ORDERED_PART, ORDERED_LOOPS };
+
+/* Puts the DAG of a pass, and its plan, into an order in which fewer values wait, where it finds one (order.c). Returns 0 when memory
+   runs out. */
+int plan_order(struct pass *p, const struct tree *t, const struct request *k, const struct rneagen_options *o,
+	enum plan_ordered what, struct arena *a);
 
 /* The node that holds the sine (op OP_SIN) or cosine (OP_COS) of the same angle; node 0 if nobody needs it. */
 struct ref plan_partner(const struct plan *p, struct ref sincos, enum op op);

@@ -97,6 +97,28 @@ void readings_free(struct readings *r, struct arena *a)
 	arena_release(a, r->begin);
 }
 
+int readings_waits(struct waits *w, const struct plan *p, int room, struct arena *a)
+{
+	struct readings r;
+	int alive = 0;
+
+	*w = (struct waits){0};
+	if (!readings_make(&r, p, a))
+		return 0;
+	for (uint32_t i = 0; i < p->line_count; i++) {
+		struct ref made[2];
+
+		for (int k = readings_made(p, &p->lines[i], made); k-- > 0;)
+			alive += r.last[made[k].i] > i;
+		w->most = alive > w->most ? alive : w->most;
+		w->beyond += alive > room ? (size_t)(alive - room) : 0;
+		for (uint32_t k = r.begin[i]; k < r.begin[i + 1]; k++)
+			alive -= r.last[r.list[k].node] == i;
+	}
+	readings_free(&r, a);
+	return 1;
+}
+
 const unsigned char *readings_only_angles(const struct plan *p, struct arena *a)
 {
 	enum { READ_AS_ANGLE = 1, READ_OTHERWISE = 2 };

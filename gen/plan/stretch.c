@@ -143,12 +143,9 @@ static void align_periods(struct stretches *s)
 		widen_by(s, s->place[i], all);
 }
 
-void stretches_make(struct stretches *s, const struct dag *d, int nv)
+/* Where they stand, once the rows are found. */
+static void place_own(struct stretches *s, const struct dag *d)
 {
-	*s = (struct stretches){0};
-	find_places(s, d, nv);
-	find_gap(s, d);
-	find_own(s, d);
 	for (int i = 0; i < d->argument_count; i++)
 		if (!s->period || i != s->divided)
 			widen_by(s, s->place[s->place_of[i]], s->own[i]);
@@ -158,6 +155,24 @@ void stretches_make(struct stretches *s, const struct dag *d, int nv)
 	}
 	if (s->period)
 		align_periods(s);
+}
+
+void stretches_make(struct stretches *s, const struct dag *d, int nv)
+{
+	*s = (struct stretches){0};
+	find_places(s, d, nv);
+	find_gap(s, d);
+	find_own(s, d);
+	place_own(s, d);
+}
+
+void stretches_make_whole(struct stretches *s, const struct dag *d, int nv)
+{
+	*s = (struct stretches){0};
+	find_places(s, d, nv);
+	for (int i = 0; i < d->argument_count; i++)
+		s->own[i][0] = (struct stretch){0, s->period && i == s->divided ? s->period : d->arguments[i].rows};
+	place_own(s, d);
 }
 
 int stretches_are_written(const struct stretches *s, const struct dag *d)

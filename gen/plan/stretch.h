@@ -30,6 +30,9 @@ struct stretches {
    what a vjp has for q, qd and qdd may stand where these were, and the torque where its weight was (places.h). */
 void stretches_make(struct stretches *s, const struct dag *d, int nv);
 
+/* The same of a part that has all rows of each array. */
+void stretches_make_whole(struct stretches *s, const struct dag *d, int nv);
+
 /* Does the part write every row of its stretches of outputs? */
 int stretches_are_written(const struct stretches *s, const struct dag *d);
 

@@ -12,10 +12,12 @@ void parts_put_table(const struct emission *e, struct text *out)
 		const struct part *p = &e->parts[i];
 
 		text_printf(out, "  %-10d %3d..%-3d %6u %6d%s", i, e->tree->bodies[p->first].number,
-			e->tree->bodies[p->last].number, plan_flops(plan_operations(&p->pass.plan)), p->alive,
+			e->tree->bodies[p->last].number, plan_flops(part_operations(p)), p->alive,
 			p->is_hand ? "  hand: in a kernel before" : "");
 		if (p->joints)
 			text_printf(out, "  motion made again, by stretches of at most %d joints", p->joints);
+		if (p->pass.each)
+			text_printf(out, "  alike limbs in %d loops", p->pass.each->loops->count);
 		text_putc(out, '\n');
 	}
 }
@@ -30,9 +32,9 @@ void parts_put_json(const struct emission *e, struct text *out)
 	for (int i = 0; i < e->part_count; i++) {
 		const struct part *p = &e->parts[i];
 
-		text_printf(out, "%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d, \"hand\": %s, \"stretch\": %d}",
+		text_printf(out, "%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d, \"hand\": %s, \"stretch\": %d, \"loops\": %d}",
 			i ? "," : "  \"parts\": [", e->tree->bodies[p->first].number, e->tree->bodies[p->last].number,
-			plan_flops(plan_operations(&p->pass.plan)), p->alive, p->is_hand ? "true" : "false", p->joints);
+			plan_flops(part_operations(p)), p->alive, p->is_hand ? "true" : "false", p->joints, p->pass.each ? p->pass.each->loops->count : 0);
 	}
 	text_put(out, e->part_count ? "\n  ],\n" : "");
 }

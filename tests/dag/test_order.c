@@ -189,8 +189,8 @@ static struct most order(const char *urdf, size_t length, const struct rneagen_o
 	most.early = expect_early(&p.plan, x.arena, what);
 	part = (struct pass){.dag = x.dag};
 	ck_assert(plan_build(&part.plan, &part.dag, &x.tree, x.arena));
-	ck_assert(plan_order(&p, &x.tree, &x.request, o, 0, x.arena));
-	ck_assert(plan_order(&part, &x.tree, &x.request, o, 1, x.arena));
+	ck_assert(plan_order(&p, &x.tree, &x.request, o, ORDERED_WHOLE, x.arena));
+	ck_assert(plan_order(&part, &x.tree, &x.request, o, ORDERED_PART, x.arena));
 	most.after = plan_alive(&p.plan, x.arena);
 	most.is_other = p.dag.nodes != x.dag.nodes;
 	expect_same_outputs(&x.dag, &p.dag, what);

@@ -196,7 +196,7 @@ static void put_work(const struct emission *e, const struct work *w, struct text
 		{"SPILL", spill_text(e)}, {"ZEROS", is_main ? emit_zero_loops(e, "blockIdx.y", "") : ""},
 		{"CALL", kernel_call(e, w, &s)}, {"PREFETCH", prefetch_text(e, w->pass)},
 		{"DECLARATION", w->part ? "" : emit_slices_declaration(e)},
-		{"SLICES", s.slices}, {"POINTERS", s.pointers}, {"MOVE_IN", s.move_in}, {"MOVE_OUT", s.move_out},
+		{"SLICES", s.slices}, {"POINTERS", s.pointers}, {"MOVE_IN", s.move_in}, {"MOVE_OUT", s.move_out}, {"JOIN", s.join},
 		{"IN_PLACE", in_place_text(e, w->part)},
 	};
 	const struct kernel_frames *f = e->target->kernel;
@@ -337,8 +337,10 @@ static void put_stage_aos(const struct emission *e, const struct slot *slots, si
 	template_expand(out, f->stage_come, slots, count);
 	if (has_whole)
 		template_expand(out, f->stage_aos, slots, count);
-	if (!has_whole || (emit_is_apart(e) && e->parts->pass.stretches->period))
+	if (emit_moves_some(e))
 		template_expand(out, f->stage_rows_aos, slots, count);
+	if (emit_is_joined(e))
+		template_expand(out, f->stage_join, slots, count);
 }
 
 const char *emit_stage(const struct emission *e)

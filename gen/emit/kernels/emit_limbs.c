@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* The angles whose sines a warp makes. */
-static struct angles angles_of(const struct emission *e, const struct plan *lines)
+static struct angles warp_angles(const struct emission *e, const struct plan *lines)
 {
 	struct angles list = {.dag = lines->dag, .angle = arena_alloc(e->arena, lines->line_count, sizeof *list.angle)};
 
@@ -69,7 +69,7 @@ static void put_warp(const struct emission *e, const struct pass *p, int warp, s
 {
 	const struct plan *lines = &p->limbs.plans[warp], inputs = inputs_of(lines),
 		rest_of = rest_after(lines, inputs.line_count);
-	const struct angles list = angles_of(e, lines);
+	const struct angles list = warp_angles(e, lines);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, warp)},
 		{"COUNT", emit_int(e, p->limbs.warps)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"T", e->numbers->value}};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;

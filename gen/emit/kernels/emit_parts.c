@@ -155,6 +155,7 @@ void emit_dispatcher(const struct emission *e, struct text *out)
 		{"BEGIN", emit_has_known(e) ? "\tint all_small = 1;" : ""},
 		{"END", emit_has_known(e) ? "\treturn all_small;" : ""}, {"COUNT", emit_int(e, e->part_count)},
 		{"PARTS", e->part_count > 1 ? "In parts that share nothing, one after the other; in a kernel each block makes one of them." :
+			e->parts->pass.each ? "In one part, with loops over limbs that are alike." :
 			"In one part; a kernel makes some of the motion again instead of keeping it."},
 		{"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
 	size_t from = out->length;

@@ -124,16 +124,22 @@ static const char *moves_text(const struct emission *e, const struct part *part,
 	return text_string(&t);
 }
 
+/* Is a stretch some rows of each sample, of an array that has more, or of which other parts have the others? */
+static int is_some(const struct emission *e, const struct part *part, int argument, int k)
+{
+	return part && (e->part_count > 1 || stretch_of(part, arguments_of(e), argument, k).rows < arguments_of(e)->arguments[argument].rows);
+}
+
 /* `rneagen_stage_in<7, 7>(`, and where there are other rows, or other parts, `rneagen_stage_rows_in<7, 7, 30>(`, of how many. */
 static void put_function(const struct emission *e, const struct part *part, const char *direction, int argument, int k,
 	struct text *out)
 {
 	const struct dag *d = arguments_of(e);
-	int rows = stretch_of(part, d, argument, k).rows, is_some = part && (e->part_count > 1 || rows < d->arguments[argument].rows);
+	int rows = stretch_of(part, d, argument, k).rows;
 
-	text_printf(out, "\t\trneagen_stage%s_%s<%d, %d", is_some ? "_rows" : "", direction, rows,
+	text_printf(out, "\t\trneagen_stage%s_%s<%d, %d", is_some(e, part, argument, k) ? "_rows" : "", direction, rows,
 		emit_pitch(e, place_rows(part, d, argument)));
-	if (is_some)
+	if (is_some(e, part, argument, k))
 		text_printf(out, ", %d", d->arguments[argument].rows);
 	text_put(out, ">(");
 }
@@ -162,14 +168,62 @@ static void put_slice_in(const struct emission *e, const struct part *part, int 
 	text_put(out, ", samples);\n");
 }
 
+/* Words of a thread that holds all rows of a vjp for a moment; threads that may meet in a bank of shared memory then. H100, 1 M samples
+   of tau with vjp in aos, ps, so and by threads that write three runs of each sample, in brackets how many meet: jvrc1 500 and 554,
+   atlas 370 and 440, g1_29dof 386 and 440, romeo 392 and 451, in f64 baxter 407 and 444, floating hyq 473 and 503, but pr2 1147 and 1115,
+   and shadow_hand_right 950 and 878 (8). */
+enum { JOINED_WORDS = 240, JOINED_MEET = 4 };
+
+int emit_is_joined(const struct emission *e)
+{
+	const struct stretches *s = emit_is_apart(e) && e->part_count == 1 ? e->parts->pass.stretches : NULL;
+	int rows = s && s->period ? PERIODS * s->period : 0;
+
+	return rows && s->own[s->divided]->rows == s->period && rows * e->memory->bytes <= 4 * JOINED_WORDS &&
+		rows % (2 * JOINED_MEET) != 0;
+}
+
+int emit_moves_some(const struct emission *e)
+{
+	const struct stretches *s = emit_is_apart(e) ? e->parts->pass.stretches : NULL;
+
+	for (int i = 0; s && i < arguments_of(e)->argument_count; i++)
+		if (!arguments_of(e)->arguments[i].per_batch && is_some(e, e->parts, i, 0) && !(s->period && i == s->divided && emit_is_joined(e)))
+			return 1;
+	return 0;
+}
+
+/* How much further on than where its place begins a vjp's first row is. */
+static int divided_slot(const struct stretches *s)
+{
+	return s->own[s->divided]->first + s->shift - s->place[0]->first;
+}
+
+static const char *join_text(const struct emission *e, const struct part *part)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (part && emit_is_joined(e))
+		text_printf(&t, "\t\trneagen_stage_join<%d, %d, %d>(%s_slice);\n", part->pass.stretches->period,
+			emit_pitch(e, place_rows(part, d, 0)), divided_slot(part->pass.stretches), d->arguments[0].name);
+	return text_string(&t);
+}
+
 /* The rows of a vjp for q, qd and qdd, from the places of these. */
 static void put_divided_out(const struct emission *e, const struct part *part, struct text *out)
 {
 	const struct stretches *s = part->pass.stretches;
 	const struct argument *a = &arguments_of(e)->arguments[s->divided];
 	const struct stretch *own = s->own[s->divided];
-	int slot = own->first + s->shift - s->place[0]->first;
+	int slot = divided_slot(s);
 
+	if (emit_is_joined(e)) {
+		text_printf(out, "\t\trneagen_stage_out<%d, %d>(%s + first*%d, %s_slice, samples);\n", a->rows, a->rows, a->name, a->rows,
+			arguments_of(e)->arguments[0].name);
+		return;
+	}
 	for (int i = 0; i < PERIODS; i++) {
 		int first = i * s->period + own->first;
 
@@ -252,7 +306,7 @@ struct slices emit_slices(const struct emission *e, const struct part *part)
 
 	return (struct slices){slices_text(e, part), here_text(e), pointers_text(e, part),
 		is_aos ? moves_text(e, part, 0, put_slice_in) : move_samples(e, part, 0),
-		is_aos ? moves_text(e, part, 1, put_slice_out) : move_samples(e, part, 1)};
+		is_aos ? moves_text(e, part, 1, put_slice_out) : move_samples(e, part, 1), is_aos ? join_text(e, part) : ""};
 }
 
 const char *emit_slices_declaration(const struct emission *e)

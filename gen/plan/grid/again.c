@@ -23,6 +23,7 @@ struct stretch_of_chain {
 struct again {
 	const struct dag *d;
 	const struct tree *t;
+	const int *first_row;            /* by row: of the first limb that is alike; NULL: the row itself */
 	int *parent, *children;          /* by last row of a joint: the last row of what carries it, or -1; how many it carries */
 	struct stretch_of_chain *stretches;
 	int count;                       /* of stretches */
@@ -118,6 +119,14 @@ static int row_of_input(const struct again *x, const struct node *n)
 	return a->rows == x->t->nv ? row : -1;
 }
 
+/* Of what a loop over limbs makes it is the first limb's. */
+static int row_of_output(const struct again *x, const struct output *o)
+{
+	int row = o->row % x->t->nv;
+
+	return x->first_row && x->d->nodes[o->value.i].is_wide ? x->first_row[row] : row;
+}
+
 static void find_rows(struct again *x)
 {
 	const struct dag *d = x->d;
@@ -132,7 +141,7 @@ static void find_rows(struct again *x)
 				x->of[i] = x->of[n->arg[k].i];
 	}
 	for (size_t i = 0; i < d->output_count; i++) {
-		int row = d->outputs[i].row % x->t->nv, *made_for = &x->made_for[d->outputs[i].value.i];
+		int row = row_of_output(x, &d->outputs[i]), *made_for = &x->made_for[d->outputs[i].value.i];
 
 		*made_for = row > *made_for ? row : *made_for;
 	}
@@ -217,7 +226,7 @@ static void make_doubles(const struct again *x, struct dag *out, int stretch, si
 
 		if (*taken_by(x, stretch, i))
 			*double_of(x, stretch, i) = n->op == OP_INPUT
-				? dag_input_anew(out, (int)n->arg[0].i, (int)n->arg[1].i, x->stretches[stretch].times)
+				? dag_input_anew(out, (int)n->arg[0].i, (int)n->arg[1].i, (int)n->arg[2].i + x->stretches[stretch].times)
 				: doubled(x, out, stretch, n);
 	}
 }
@@ -268,9 +277,9 @@ static int begin(struct again *x, int joints, struct arena *a)
 	return !a->failed;
 }
 
-void again_make(struct dag *out, const struct dag *d, const struct tree *t, int joints, struct arena *a)
+void again_make(struct dag *out, const struct dag *d, const struct tree *t, int joints, const int *first_row, struct arena *a)
 {
-	struct again x = {.d = d, .t = t};
+	struct again x = {.d = d, .t = t, .first_row = first_row};
 	struct arena spare;
 
 	dag_init(out, a);
@@ -297,7 +306,7 @@ static int build(struct part *p, const struct dag *share, int joints, const char
 	struct arena *a)
 {
 	if (joints)
-		again_make(&p->pass.dag, share, x->tree, joints, a);
+		again_make(&p->pass.dag, share, x->tree, joints, NULL, a);
 	else
 		p->pass.dag = *share;
 	p->joints = joints;

@@ -10,8 +10,8 @@
 
 /* A copy of a DAG whose outputs are rows of joints, with at most so many joints in a stretch, for lines that are ordered by
    rows, the last ones first (order.h). Rows of a joint stand after those of what carries it. Each value is the same, to the bit.
-   Failure is in out->failed. */
-void again_make(struct dag *out, const struct dag *d, const struct tree *t, int joints, struct arena *a);
+   In loops over limbs, by row, the row of the first limb that is alike; else NULL. Failure is in out->failed. */
+void again_make(struct dag *out, const struct dag *d, const struct tree *t, int joints, const int *first_row, struct arena *a);
 
 /* Can it serve this text: a vjp of torques, in f64, whose kernels have parts? */
 int again_serves(const struct parts_of *x);

@@ -5,6 +5,7 @@
 #include "plan/grid/joined.h"
 #include "plan/grid/places.h"
 #include "plan/grid/turns.h"
+#include "plan/lanes/each.h"
 #include "plan/stage.h"
 
 /* Operations of the whole. H100, 1 M samples, ps, whole and in parts. f64: hyq 131 and 126, but 16384 samples 196 and 229; yumi,
@@ -93,7 +94,12 @@ static int may_be_apart(const struct parts_of *x)
 	for (int i = 0; i < d->argument_count; i++)
 		if (o->strict && d->arguments[i].per_batch)
 			return 0;
-	return plan_flops(plan_operations(&x->whole->plan)) > least_operations(x);
+	return 1;
+}
+
+static unsigned operations_of(const struct parts_of *x)
+{
+	return plan_flops(plan_operations(&x->whole->plan));
 }
 
 /* Have the slices of all room in shared memory? */
@@ -133,7 +139,7 @@ static int hold_less(const struct part *parts, int count, const struct parts_of 
 		return plan_alive(&x->whole->plan, a) > PRODUCT_ALIVE_SINGLE;
 	if (count == 1)
 		return parts->joints && parts->alive <= ALONE_ALIVE &&
-			plan_flops(plan_operations(&x->whole->plan)) > LEAST_ALONE;
+			operations_of(x) > LEAST_ALONE;
 	for (int i = 0; i < count; i++)
 		if (parts[i].alive > (parts[i].joints ? PRODUCT_ALIVE_AGAIN : PRODUCT_ALIVE_DOUBLE))
 			return 0;
@@ -148,7 +154,7 @@ static int find_places(int *can, const struct part *parts, int count, const stru
 		return 1;
 	*can = parts->pass.stretches->period && are_staged(parts, count, x->options) && are_written(parts, count);
 	for (int i = 0, serves; i < count && *can; i++) {
-		if (!places_serve(&serves, &parts[i], a))
+		if (!places_serve(&serves, &parts[i].pass, a))
 			return 0;
 		*can = serves;
 	}
@@ -185,22 +191,31 @@ static int build(struct part *p, struct share *share, int owner, const char *nam
 	return (!x->request->is_forward && !request_wants_derivative(x->request)) || part_order(p, x, a);
 }
 
+typedef void make_stretches(struct stretches *s, const struct dag *d, int nv);
+
+/* The rows that it reads and writes, and its bodies. Returns 0 when memory runs out. */
+static int set_rows(struct part *p, make_stretches *make, const struct parts_of *x, struct arena *a)
+{
+	struct stretches *rows = arena_alloc(a, 1, sizeof *rows);
+
+	if (!rows)
+		return 0;
+	make(rows, &p->pass.dag, has_places(x) ? x->tree->nv : 0);
+	p->pass.stretches = rows;
+	name_bodies(p, x->tree);
+	return 1;
+}
+
 static int make_part(struct part *p, struct share *share, int owner, int number, const char *what, const struct parts_of *x,
 	struct arena *a)
 {
-	struct stretches *rows = arena_alloc(a, 1, sizeof *rows);
 	struct text name, doc;
 
 	text_init(&name, a);
 	text_init(&doc, a);
 	text_printf(&name, "%s_part%d", x->whole->algorithm->name, number);
 	text_printf(&doc, "Part %d of it: %s.", number, what);
-	if (!rows || !build(p, share, owner, text_string(&name), text_string(&doc), x, a))
-		return 0;
-	stretches_make(rows, &p->pass.dag, has_places(x) ? x->tree->nv : 0);
-	p->pass.stretches = rows;
-	name_bodies(p, x->tree);
-	return !a->failed;
+	return build(p, share, owner, text_string(&name), text_string(&doc), x, a) && set_rows(p, stretches_make, x, a) && !a->failed;
 }
 
 static int make_hands(struct part *parts, const struct hands *h, const struct parts_of *x, struct arena *spare, struct arena *a)
@@ -259,7 +274,7 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	int *owner = arena_alloc(spare, d->output_count + 1, sizeof *owner);
 	int limbs = owner ? joined_own(owner, d, x->tree->nv, spare) : 0, can;
 
-	if (limbs > 1 && has_places(x) && plan_flops(plan_operations(&x->whole->plan)) <= SHORT_AOS)
+	if (limbs > 1 && has_places(x) && operations_of(x) <= SHORT_AOS)
 		limbs = own_together(owner, d);
 	if (limbs + h->count < (again_serves(x) ? 1 : 2))
 		return limbs;
@@ -276,7 +291,7 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
    rows of the slices that it stages? */
 static int do_serve(const struct part *parts, int count, int is_full, const struct parts_of *x, struct arena *a)
 {
-	unsigned whole = plan_flops(plan_operations(&x->whole->plan)), most = is_full || again_serves(x) ? whole / 3 * 2 : whole / 2;
+	unsigned whole = operations_of(x), most = is_full || again_serves(x) ? whole / 3 * 2 : whole / 2;
 
 	if (are_staged(parts, count, x->options) && !are_written(parts, count))
 		return 0;
@@ -284,6 +299,68 @@ static int do_serve(const struct part *parts, int count, int is_full, const stru
 		if (plan_flops(plan_operations(&p->pass.plan)) > most)
 			return 0;
 	return turns_serve(parts, count, x->raw->arguments[parts_handed(x->raw)].rows, a);
+}
+
+/* Alike limbs in loops, in aos: operations of the whole beyond which there are such; with a vjp in f32, values at once in the whole beyond
+   which there are, and how many of them may be left. H100, 1 M samples, ps, so far and in loops, in brackets us of 16384. tau in f32:
+   hyq, 832 operations, 68 and 74, yumi, 1478, 102 and 104, pr2, 2460, 116 and 120 (5.3 and 4.7), atlas 167 and 168 (6.4 and 6.6),
+   g1_29dof, 2918, 167 and 164 (7.8 and 6.6), g1_d_wheeled 205 and 191, jvrc1 210 and 192 (8.1 and 7.1), g1_brainco 664 and 445; but
+   floating jvrc1 238 and 251 (9.0 and 8.4). f64: yumi 174 both, baxter, 1857, 195 and 185 (6.4 and 5.2), pr2 252 and 226, atlas 326
+   and 324, romeo 388 and 353, g1_29dof 349 and 316, floating 525 and 444, jvrc1 472 and 430, floating 745 and 676, g1_brainco 1473 and
+   1449; but g1_d_wheeled 491 and 541. With the vjp in f32: yumi, 212 values, 249 and 239, simple_humanoid, 229, 326 and 331, atlas, 285,
+   360 and 370, g1_29dof, 283, 369 and 386, pr2, 435, 417 and 292, jvrc1, 394, 1202 and 500, g1_brainco, 444, 4075 and 3077; but
+   g1_d_wheeled, 372 and in a loop 354, 592 and 607. In f64: yumi 384 and 377, baxter 407 and 377, simple_humanoid, 4461 operations, 651 and
+   865, shadow_hand_right, 4404, 878 and 1028, pr2, 5959, 1115 and 702, atlas 1658 and 1310, g1_29dof 1660 and 1253, romeo 1614 and 853,
+   jvrc1 3676 and 1903, g1_d_wheeled 3871 and 2436. */
+enum { LEAST_LOOPS_SINGLE = 2900, LEAST_LOOPS_DOUBLE = 1800, LOOPS_ALIVE = 300 };
+static const double LOOPS_LEFT = 0.87;
+
+/* How much of the operations are in loops at least: 0.9 of atlas, and a third of shadow_hand_right, whose fingers alone are alike. */
+static const double LOOPS_SHARE = 0.6;
+
+static int may_loop(const struct parts_of *x, struct arena *a)
+{
+	const struct rneagen_options *o = x->options;
+	unsigned operations = operations_of(x);
+	int is_product = request_wants_derivative(x->request);
+
+	if (o->layout != RNEAGEN_AOS || x->request->is_forward || x->request->refine_steps)
+		return 0;
+	if (o->precision == RNEAGEN_F64)
+		return operations > (is_product ? SHORT_AOS : LEAST_LOOPS_DOUBLE);
+	if (o->precision != RNEAGEN_F32)
+		return 0;
+	return is_product ? plan_alive(&x->whole->plan, a) > LOOPS_ALIVE : operations > LEAST_LOOPS_SINGLE;
+}
+
+/* Are most operations in loops, and does what it holds have more room there? */
+static int loops_pay(const struct part *p, const struct parts_of *x, struct arena *a)
+{
+	unsigned all = plan_flops(part_operations(p)), once = plan_flops(plan_operations(&p->pass.each->plan));
+
+	if (p->pass.each->loops->limbs * (double)(all - once) < LOOPS_SHARE * all)
+		return 0;
+	return x->options->precision == RNEAGEN_F64 || !request_wants_derivative(x->request) ||
+		p->alive <= LOOPS_LEFT * plan_alive(&x->whole->plan, a);
+}
+
+/* All in one part, with alike limbs in loops. */
+static int make_loops(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)
+{
+	int *owner = arena_alloc(spare, x->raw->output_count + 1, sizeof *owner);
+	struct share share;
+	struct text name;
+	struct part *p = *parts = arena_alloc(a, 1, sizeof *p);
+
+	if (!owner || !p || !share_begin(&share, x->raw, owner, spare))
+		return 0;
+	text_init(&name, a);
+	text_printf(&name, "%s_part0", x->whole->algorithm->name);
+	if (!part_build_share(p, &share, 0, 1, text_string(&name), "The whole, with loops over limbs that are alike.", x, a) ||
+		(request_wants_derivative(x->request) && !part_order(p, x, a)) || !set_rows(p, stretches_make_whole, x, a) || !each_make(p, x, a))
+		return 0;
+	*count = p->pass.each && are_staged(p, 1, x->options) && are_written(p, 1) && loops_pay(p, x, spare);
+	return 1;
 }
 
 static int make_parts(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)
@@ -309,7 +386,9 @@ int apart_make(struct part **parts, int *count, const struct parts_of *x, struct
 	if (!may_be_apart(x))
 		return 1;
 	arena_init(&spare, x->options->allocator);
-	is_made = make_parts(parts, count, x, &spare, a);
+	is_made = !may_loop(x, &spare) || make_loops(parts, count, x, &spare, a);
+	if (is_made && !*count && operations_of(x) > least_operations(x))
+		is_made = make_parts(parts, count, x, &spare, a);
 	arena_free(&spare);
 	return is_made;
 }

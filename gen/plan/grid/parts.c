@@ -2,6 +2,7 @@
 #include "plan/grid/parts.h"
 #include "plan/grid/apart.h"
 #include "plan/grid/splitter.h"
+#include "plan/lanes/each.h"
 #include "plan/stage.h"
 
 /* How many more parts than the best so far are tried. */
@@ -163,7 +164,7 @@ int part_build_share(struct part *p, struct share *share, int first, int end, co
 
 int part_order(struct part *p, const struct parts_of *x, struct arena *a)
 {
-	if (!plan_order(&p->pass, x->tree, x->request, x->options, 1, a))
+	if (!plan_order(&p->pass, x->tree, x->request, x->options, ORDERED_PART, a))
 		return 0;
 	p->alive = plan_alive(&p->pass.plan, a);
 	return !a->failed;
@@ -269,6 +270,11 @@ int parts_alive(const struct part *parts, int count)
 	return most;
 }
 
+struct operation_count part_operations(const struct part *p)
+{
+	return p->pass.each ? each_operations(p->pass.each) : plan_operations(&p->pass.plan);
+}
+
 struct operation_count parts_operations(const struct part *parts, int count, const struct plan *whole)
 {
 	struct operation_count sum = {0};
@@ -276,7 +282,7 @@ struct operation_count parts_operations(const struct part *parts, int count, con
 	if (!count)
 		return plan_operations(whole);
 	for (int i = 0; i < count; i++)
-		plan_add_operations(&sum, plan_operations(&parts[i].pass.plan), 1);
+		plan_add_operations(&sum, part_operations(&parts[i]), 1);
 	return sum;
 }
 
@@ -286,9 +292,11 @@ void parts_dump(const struct part *parts, int count, const struct pass *whole, c
 		text_printf(out, "whole: %u flops\n", plan_flops(plan_operations(&whole->plan)));
 	for (int i = 0; i < count; i++) {
 		text_printf(out, "part %d: links %d..%d, %u flops, %d values at once", i, t->bodies[parts[i].first].number,
-			t->bodies[parts[i].last].number, plan_flops(plan_operations(&parts[i].pass.plan)), parts[i].alive);
+			t->bodies[parts[i].last].number, plan_flops(part_operations(&parts[i])), parts[i].alive);
 		if (parts[i].joints)
 			text_printf(out, ", motion made again by stretches of at most %d joints", parts[i].joints);
+		if (parts[i].pass.each)
+			text_printf(out, ", alike limbs in %d loops", parts[i].pass.each->loops->count);
 		text_putc(out, '\n');
 	}
 }

@@ -61,6 +61,9 @@ int part_build_share(struct part *p, struct share *share, int first, int end, co
    out. */
 int part_order(struct part *p, const struct parts_of *x, struct arena *a);
 
+/* What a part takes. */
+struct operation_count part_operations(const struct part *p);
+
 /* What all parts take together, or the whole where there are none. */
 struct operation_count parts_operations(const struct part *parts, int count, const struct plan *whole);
 

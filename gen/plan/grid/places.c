@@ -72,18 +72,18 @@ static size_t row_under(const struct last_lines *x, const struct stretches *s, c
 	return x->first[place] + (size_t)(is_divided ? o->row % s->period + s->shift : o->row);
 }
 
-int places_serve(int *serves, const struct part *p, struct arena *a)
+int places_serve(int *serves, const struct pass *p, struct arena *a)
 {
-	const struct plan *plan = &p->pass.plan;
+	const struct plan *plan = &p->plan;
 	struct last_lines x = {0};
 
 	*serves = 1;
 	if (!find_last(&x, plan, a))
 		return 0;
 	for (size_t l = 0; l < plan->line_count; l++) {
-		const struct output *o = plan->lines[l].kind == LINE_STORE ? &p->pass.dag.outputs[plan->lines[l].index] : NULL;
-		size_t last = o && p->pass.stretches->place_of[o->argument] != o->argument
-			? x.line[row_under(&x, p->pass.stretches, o)] : plan->line_count;
+		const struct output *o = plan->lines[l].kind == LINE_STORE ? &p->dag.outputs[plan->lines[l].index] : NULL;
+		size_t last = o && p->stretches->place_of[o->argument] != o->argument
+			? x.line[row_under(&x, p->stretches, o)] : plan->line_count;
 
 		*serves &= last == plan->line_count || last <= l;
 	}

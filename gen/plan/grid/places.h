@@ -4,7 +4,7 @@
 
 #include "plan/grid/parts.h"
 
-/* Does the part write there only after it has read what stood there? Sets *serves. Returns 0 when memory runs out. */
-int places_serve(int *serves, const struct part *p, struct arena *a);
+/* Does the pass of a part write there only after it has read what stood there? Sets *serves. Returns 0 when memory runs out. */
+int places_serve(int *serves, const struct pass *p, struct arena *a);
 
 #endif

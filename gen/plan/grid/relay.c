@@ -117,7 +117,7 @@ static int build_start(struct relay *r, struct share *share, const char *name, c
 		     : !part_build_share(&r->start, share, START, START + 1, name, doc, x, a))
 		return 0;
 	drop_loops(&r->start.pass.dag);
-	return plan_order(&r->start.pass, x->tree, &alone, x->options, 0, a) &&
+	return plan_order(&r->start.pass, x->tree, &alone, x->options, ORDERED_WHOLE, a) &&
 		divide_start(r, is_alone ? &raw : NULL, &alone, x, a);
 }
 

@@ -207,10 +207,25 @@ static struct ref apart(const struct finder *f, struct dag *out, uint32_t i)
 	return dag_operation(out, n->op, args[0], args[1], args[2]);
 }
 
+/* In a loop over limbs it is the same row of each, and its sine and cosine are made like all else. */
+static int is_leaf(const struct finder *f, enum op op)
+{
+	return f->d->is_each ? op == OP_INPUT : is_apart(op);
+}
+
+/* Which group of limbs, from 1. */
+static int loop_of(const struct finder *f, const struct twins *x)
+{
+	return 1 + (f->limb[x->member[0] - 1] - 1) / f->limbs->limbs;
+}
+
 static struct ref packed(const struct finder *f, struct dag *out, const struct twins *x)
 {
+	const struct node *n = &f->d->nodes[x->member[0] - 1];
 	struct ref each[ALIKE_LIMBS];
 
+	if (f->d->is_each)
+		return dag_input_each(out, (int)n->arg[0].i, (int)n->arg[1].i, loop_of(f, x));
 	for (int k = 0; k < f->limbs->limbs; k++)
 		each[k] = apart(f, out, x->member[k] - 1);
 	return dag_pack(out, each);
@@ -218,7 +233,7 @@ static struct ref packed(const struct finder *f, struct dag *out, const struct t
 
 static struct ref constant(const struct finder *f, struct dag *out, const struct twins *x, int operand)
 {
-	struct dag_lanes lanes = {{0}};
+	struct dag_lanes lanes = {.loop = f->d->is_each ? loop_of(f, x) : 0};
 
 	for (int k = 0; k < f->limbs->limbs; k++)
 		lanes.x[k] = f->d->nodes[f->d->nodes[x->member[k] - 1].arg[operand].i].value;
@@ -232,7 +247,7 @@ static struct ref side_by_side(struct finder *f, struct dag *out, struct twins *
 
 	if (x->wide.i)
 		return x->wide;
-	if (is_apart(x->op))
+	if (is_leaf(f, x->op))
 		return x->wide = packed(f, out, x);
 	for (int k = 0; k < op_arity[x->op]; k++) {
 		uint32_t a = n->arg[k].i;
@@ -255,13 +270,55 @@ static struct ref copy(void *context, struct dag *out, size_t i)
 
 	if (f->of[i]) {
 		wide = side_by_side(f, out, &f->twins[f->of[i]]);
-		return is_apart(n->op) ? apart(f, out, (uint32_t)i) : dag_lane(out, wide, lane_of(f, f->limb[i]));
+		return is_apart(n->op) && !f->d->is_each ? apart(f, out, (uint32_t)i) : dag_lane(out, wide, lane_of(f, f->limb[i]));
 	}
 	if (!op_arity[n->op])
 		return dag_copy_leaf(out, f->d, i);
 	for (int k = 0; k < op_arity[n->op]; k++)
 		args[k] = f->map[n->arg[k].i];
 	return n->op == OP_ANEW ? args[0] : dag_operation(out, n->op, args[0], args[1], args[2]);
+}
+
+/* ---- what loops store ---- */
+
+/* Which joint's row of an output it is: twins have the same place in each limb. Returns the limb, from 1; 0: it is no limb's. */
+static int limb_of_output(const struct finder *f, const struct output *o, int *place)
+{
+	int nv = f->tree->nv, body, limb;
+
+	if (nv == 0 || f->d->arguments[o->argument].rows % nv)
+		return 0;
+	limb = alike_limb(f->limbs, f->tree, 0, o->row % nv, &body);
+	*place = body + f->tree->body_count * (o->row / nv);
+	return limb;
+}
+
+/* Is the row of this place, of the limb's twin, an output too? */
+static int has_output(const struct finder *f, const struct twins *x, const struct output *of, int place, int lane)
+{
+	for (const struct output *o = f->d->outputs; o < f->d->outputs + f->d->output_count; o++) {
+		int at = 0, limb = o->argument == of->argument && o->value.i == x->member[lane] - 1 ? limb_of_output(f, o, &at) : 0;
+
+		if (limb && at == place && lane_of(f, limb) == lane)
+			return 1;
+	}
+	return 0;
+}
+
+/* A loop stores the same row of each of its limbs in its turn. */
+static void store_in_loops(const struct finder *f, struct dag *out)
+{
+	for (size_t i = 0; i < f->d->output_count && f->d->is_each && !out->failed; i++) {
+		const struct output *o = &f->d->outputs[i];
+		const struct twins *x = &f->twins[f->of[o->value.i]];
+		int place, limb = f->of[o->value.i] ? limb_of_output(f, o, &place) : 0;
+		int all = limb > 0 && loop_of(f, x) == 1 + (limb - 1) / f->limbs->limbs && out->nodes[x->wide.i].is_wide;
+
+		for (int k = 0; k < f->limbs->limbs && all; k++)
+			all = has_output(f, x, o, place, k);
+		if (all)
+			out->outputs[i].value = x->wide;
+	}
 }
 
 void lanes_of_twins(struct dag *out, const struct dag *d, const struct tree *t, const struct alike *limbs)
@@ -286,4 +343,5 @@ void lanes_of_twins(struct dag *out, const struct dag *d, const struct tree *t, 
 		return;
 	}
 	dag_copy(out, d, f.map, copy, &f);
+	store_in_loops(&f, out);
 }
