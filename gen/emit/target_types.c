@@ -7,7 +7,8 @@ static const struct kernel_frames KERNEL_CUDA = {.direct = template_kernel_soa_i
 	.staged_soa = template_kernel_soa_staged_in, .again = template_kernel_again_in, .parts = template_parts_in,
 	.apart = template_kernel_apart_in,
 	.spill = template_spill_in, .slices = template_slices_in, .stage = template_stage_in,
-	.stage_aos = template_stage_aos_in, .stage_rows_aos = template_stage_rows_aos_in, .stage_join = template_stage_join_in, .stage_launch = template_stage_launch_in,
+	.stage_aos = template_stage_aos_in, .stage_rows_aos = template_stage_rows_aos_in, .stage_join = template_stage_join_in,
+	.stage_launch = template_stage_launch_in,
 	.stage_copy = template_stage_copy_in, .stage_bulk = template_stage_bulk_in, .stage_come = template_stage_come_in,
 	.windowed = template_kernel_windowed_in, .windows = template_windows_in,
 	.store = template_store_in, .prefetch = template_prefetch_in, .zeros = template_zeros_in, .compiler = "__CUDACC__"};

@@ -14,7 +14,8 @@ enum { COUNT = 1300, SEED = 20261127, LARGE_BLOCK = 512 }; /* beyond what the li
 /* Two legs on the ground, and a back that carries a neck and two arms. Each arm has fingers, the last joint of which follows the one
    before it. */
 struct shape {
-	int leg, arm, fingers, is_uneven; /* links of a leg, and of an arm; uneven: the right arm has one more */
+	int leg, arm, fingers; /* links of a leg, and of an arm */
+	enum { MIRRORED, UNEVEN, STRAIGHT } how; /* the right arm has one link more; no joint turns the other way */
 };
 
 static const struct subject {
@@ -24,26 +25,27 @@ static const struct subject {
 	int floating, loops, again; /* what is to be found in the text */
 	int is_long;                /* others run nearly the same: where all is asked for */
 } SUBJECTS[] = {
-	{{6, 7, 3, 0}, "", NULL, RNEAGEN_F64, 0, 2, 0, 1},
-	{{6, 7, 5, 0}, "", NULL, RNEAGEN_F32, 0, 2, 0, 1},
-	{{6, 7, 5, 0}, "", NULL, RNEAGEN_F64, 1, 2, 0, 1},
-	{{6, 7, 3, 1}, "", NULL, RNEAGEN_F64, 0, 3, 0, 1}, /* the arms are not alike, but two fingers of each are */
-	{{6, 7, 2, 0}, "want tau,vjp\n", NULL, RNEAGEN_F64, 0, 2, 1, 0},
-	{{6, 14, 0, 0}, "want tau,vjp\n", NULL, RNEAGEN_F32, 0, 2, 0, 1},
-	{{4, 5, 1, 0}, "want tau,bias,gravity\n", NULL, RNEAGEN_F64, 0, 2, 0, 1},
-	{{6, 7, 3, 0}, "want tau,vjp\nfold qdd=0\n", NULL, RNEAGEN_F64, 0, 2, 1, 1},
-	{{6, 7, 3, 0}, "fext right_2\nfext back_1\n", NULL, RNEAGEN_F64, 0, 2, 0, 1}, /* a wrench that the other limb does not feel */
-	{{6, 7, 3, 0}, "free payload.right_2:sample\n", NULL, RNEAGEN_F64, 0, 2, 0, 1},
-	{{3, 12, 0, 0}, "", "legs", RNEAGEN_F64, 0, 2, 0, 0}, /* rows of the legs in turn */
+	{{6, 7, 3, MIRRORED}, "", NULL, RNEAGEN_F64, 0, 2, 0, 1},
+	{{6, 7, 5, MIRRORED}, "", NULL, RNEAGEN_F32, 0, 2, 0, 1},
+	{{6, 7, 5, MIRRORED}, "", NULL, RNEAGEN_F64, 1, 2, 0, 1},
+	{{6, 7, 3, UNEVEN}, "", NULL, RNEAGEN_F64, 0, 0, 0, 1}, /* only the legs are alike, and fingers */
+	{{6, 7, 2, MIRRORED}, "want tau,vjp\n", NULL, RNEAGEN_F64, 0, 2, 1, 0},
+	{{6, 14, 0, MIRRORED}, "want tau,vjp\n", NULL, RNEAGEN_F32, 0, 2, 0, 1},
+	{{4, 5, 1, MIRRORED}, "want tau,bias,gravity\n", NULL, RNEAGEN_F64, 0, 2, 0, 1},
+	{{6, 7, 3, MIRRORED}, "want tau,vjp\nfold qdd=0\n", NULL, RNEAGEN_F64, 0, 2, 1, 1},
+	{{6, 7, 3, STRAIGHT}, "fext right_103\nfext back_1\n", NULL, RNEAGEN_F64, 0, 2, 0, 1}, /* a wrench that the other limb does not feel */
+	{{6, 7, 3, STRAIGHT}, "free payload.right_103:sample\n", NULL, RNEAGEN_F64, 0, 2, 0, 1},
+	{{3, 12, 0, MIRRORED}, "", "legs", RNEAGEN_F64, 0, 2, 0, 0}, /* rows of the legs in turn */
+	{{6, 10, 0, MIRRORED}, "want tau,vjp\n", "last first", RNEAGEN_F64, 0, 2, 0, 1}, /* motion is made again from a joint's row on to the next */
 };
 
-/* Of one side. Coordinates across are mirrored, and each third joint turns the other way on the right. */
+/* Of one side. Coordinates across are mirrored, and each third joint may turn the other way on the right. */
 struct side {
 	const char *name;
-	int sign;
+	int sign, turns;
 };
 
-static const struct side LEFT = {"left", 1}, RIGHT = {"right", -1}, MIDDLE = {"back", 1};
+static const struct side LEFT = {"left", 1, 1}, RIGHT = {"right", -1, -1}, STRAIGHT_RIGHT = {"right", -1, 1}, MIDDLE = {"back", 1, 1};
 
 /* Links from number `first` on, the first of which hangs on another link. The last joint follows the one before it where it is to. */
 static void put_chain(struct text *t, const struct side *s, int first, int links, const char *parent, int follows)
@@ -53,7 +55,7 @@ static void put_chain(struct text *t, const struct side *s, int first, int links
 	for (int i = first; i < first + links; i++) {
 		char axis[32];
 
-		snprintf(axis, sizeof axis, axes[i % 3], i % 3 == 2 ? s->sign : 1);
+		snprintf(axis, sizeof axis, axes[i % 3], i % 3 == 2 ? s->turns : 1);
 		text_printf(t, "<link name='%s_%d'><inertial><origin xyz='0.1 %g 0.05'/><mass value='%g'/><inertia ixx='0.02' iyy='0.03' izz='0.04' "
 			"ixy='%g' ixz='0.002' iyz='%g'/></inertial></link>\n", s->name, i, s->sign * 0.02, 1 + 0.1 * (i % 3) + 0.01 * s->sign,
 			s->sign * 0.001, s->sign * 0.003);
@@ -72,7 +74,7 @@ static void put_chain(struct text *t, const struct side *s, int first, int links
 
 static void put_side(struct text *t, const struct shape *x, const struct side *s)
 {
-	int arm = x->arm + (x->is_uneven && s->sign < 0);
+	int arm = x->arm + (x->how == UNEVEN && s->sign < 0);
 	char hand[32];
 
 	put_chain(t, s, 100, x->leg, "ground", 0);
@@ -82,11 +84,15 @@ static void put_side(struct text *t, const struct shape *x, const struct side *s
 		put_chain(t, s, 20 + 3 * i, 3, hand, 1);
 }
 
-/* The legs' rows in turn, then all others, side by side. */
-static const char *order_text(const struct shape *x, struct text *t)
+/* The legs' rows in turn, or each leg's last row first; then all others, side by side. */
+static const char *order_text(const struct shape *x, const char *order, struct text *t)
 {
-	for (int i = 0; i < x->leg; i++)
+	int turned = strcmp(order, "legs");
+
+	for (int i = 0; i < x->leg && !turned; i++)
 		text_printf(t, "left_j%02d,right_j%02d,", 100 + i, 100 + i);
+	for (int i = 2 * x->leg; i-- > 0 && turned;)
+		text_printf(t, "%s_j%02d,", i < x->leg ? "right" : "left", 100 + i % x->leg);
 	text_put(t, "back_j00,back_j01,back_j50");
 	for (int side = 0; side < 2; side++)
 		for (int i = 0; i < x->arm; i++)
@@ -106,12 +112,12 @@ static void generate(const struct subject *s, const struct rneagen_options *give
 	o.precision = s->precision;
 	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	o.scene = *s->scene ? s->scene : NULL;
-	o.order = s->order ? order_text(&s->shape, &order) : NULL;
+	o.order = s->order ? order_text(&s->shape, s->order, &order) : NULL;
 	text_put(&urdf, "<robot name='mirrored'><link name='ground'/>\n");
 	put_chain(&urdf, &MIDDLE, 0, 2, "ground", 0);
 	put_chain(&urdf, &MIDDLE, 50, 1, "back_1", 0);
 	put_side(&urdf, &s->shape, &LEFT);
-	put_side(&urdf, &s->shape, &RIGHT);
+	put_side(&urdf, &s->shape, s->shape.how == STRAIGHT ? &STRAIGHT_RIGHT : &RIGHT);
 	text_put(&urdf, "</robot>\n");
 	target_generate(t, text_string(&urdf), urdf.length, &o, "mirrored");
 	arena_free(&a);
@@ -196,7 +202,7 @@ START_TEST(test_none)
 	s = SUBJECTS[4];
 	s.floating = 1;
 	expect_none(&s, &aos);
-	s.shape = (struct shape){0, 12, 0, 0}; /* rows for qd would stand where the other arm's first input is */
+	s.shape = (struct shape){0, 12, 0, MIRRORED}; /* rows for qd would stand where the other arm's first input is */
 	expect_none(&s, &aos);
 	s = SUBJECTS[0];
 	s.scene = "free gravity\n";
@@ -204,7 +210,7 @@ START_TEST(test_none)
 	s.scene = "want qdd\n";
 	expect_none(&s, &aos);
 	s = SUBJECTS[0];
-	s.shape = (struct shape){2, 3, 0, 0};
+	s.shape = (struct shape){2, 3, 0, MIRRORED};
 	expect_none(&s, &aos);
 }
 END_TEST

@@ -54,8 +54,7 @@ static int parent_of(const struct tree *t, const struct tree_joint *j)
 	return b < 0 ? -1 : last_row(t, t->bodies[b].iv);
 }
 
-/* Do the rows of each joint stand after those of what carries it? */
-static int is_ordered(const struct tree *t)
+int again_is_ordered(const struct tree *t)
 {
 	for (int i = 0; i < t->joint_count; i++)
 		if (parent_of(t, &t->joints[i]) >= t->joints[i].iv)
@@ -341,7 +340,7 @@ static int best_length(const struct dag *share, const struct parts_of *x)
 	struct cost cost[LENGTH_COUNT];
 	int best = 0;
 
-	if (!is_ordered(x->tree))
+	if (!again_is_ordered(x->tree))
 		return 0;
 	if (!cost_of(&cost[0], share, LENGTHS[0], x))
 		return -1;

@@ -13,6 +13,9 @@
    In loops over limbs, by row, the row of the first limb that is alike; else NULL. Failure is in out->failed. */
 void again_make(struct dag *out, const struct dag *d, const struct tree *t, int joints, const int *first_row, struct arena *a);
 
+/* Do the rows of each joint stand after those of what carries it? */
+int again_is_ordered(const struct tree *t);
+
 /* Can it serve this text: a vjp of torques, in f64, whose kernels have parts? */
 int again_serves(const struct parts_of *x);
 

@@ -168,7 +168,8 @@ static int stand_apart(const struct stretches *s)
 
 static int may_have(const struct part *p, const struct parts_of *x)
 {
-	return stand_apart(p->pass.stretches) && x->is_unpruned && !x->options->strict && x->options->layout == RNEAGEN_AOS && !is_for_all(x->raw);
+	return stand_apart(p->pass.stretches) && x->is_unpruned && !x->options->strict && x->options->layout == RNEAGEN_AOS &&
+		!is_for_all(x->raw);
 }
 
 /* What is tried. */
@@ -255,7 +256,7 @@ static int cost_of(double *cost, struct trial *y, const struct pass *of, int joi
 /* The length that costs least; -1: none serves. Returns 0 when memory runs out. */
 static int choose_length(int *joints, struct trial *y, const struct pass *of)
 {
-	int count = again_serves(y->x) ? (int)(sizeof LENGTHS / sizeof *LENGTHS) : 1;
+	int count = again_serves(y->x) && again_is_ordered(y->x->tree) ? (int)(sizeof LENGTHS / sizeof *LENGTHS) : 1;
 	double least = -1;
 
 	*joints = -1;

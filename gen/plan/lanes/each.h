@@ -6,11 +6,12 @@
 
 #include "plan/grid/parts.h"
 
-/* Make p->pass.each, the part once more with such loops, in layout aos, and p->joints where motion is made again in it; NULL where no limbs are alike, where their rows do not
-   stand evenly, or where a loop reads what it has left. Returns 0 when memory runs out. */
+/* Make p->pass.each, the part once more with such loops, in layout aos, and p->joints where motion is made again in it; NULL where no
+   limbs are alike, where their rows do not stand evenly, or where a loop takes what it has left. Returns 0 when memory runs out. */
 int each_make(struct part *p, const struct parts_of *x, struct arena *a);
 
-/* Put the lines of each loop of a pass together. *serves is 0 where a loop takes what it has left itself. Returns 0 when memory runs out. */
+/* Put the lines of each loop of a pass together. *serves is 0 where a loop takes what it has left itself. Returns 0 when memory
+   runs out. */
 int each_gather(int *serves, struct pass *p, struct arena *spare, struct arena *a);
 
 /* Operations of a pass with loops, each of a loop as often as it is made. */
