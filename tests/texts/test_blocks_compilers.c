@@ -248,7 +248,7 @@ START_TEST(test_pieces)
 	const char *nvcc = target_nvcc();
 	struct target t;
 
-	o.scene = "want tau,vjp\n";
+	o.scene = "want qdd\n";
 	o.precision = RNEAGEN_F64;
 	o.layout = RNEAGEN_AOS;
 	target_generate(&t, urdf, length, &o, "atlas in pieces");
