@@ -184,6 +184,7 @@ struct ref dag_input(struct dag *d, int argument, int row);
 struct ref dag_input_anew(struct dag *d, int argument, int row, int reading);
 /* In the loop over limbs of this number, from 1: the first limb's row, and where that of each other one is. It is wide. */
 struct ref dag_input_each(struct dag *d, int argument, int row, int loop);
+
 /* Of an input: its loop over limbs; 0: it is read in none. */
 static inline int dag_loop_of(const struct node *input)
 {
@@ -195,6 +196,7 @@ static inline int dag_reading_of(const struct node *input)
 {
 	return (int)(input->arg[2].i % DAG_EACH);
 }
+
 struct ref dag_neg(struct dag *d, struct ref a);
 struct ref dag_add(struct dag *d, struct ref a, struct ref b);
 struct ref dag_sub(struct dag *d, struct ref a, struct ref b);

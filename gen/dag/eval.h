@@ -12,7 +12,8 @@
 struct eval_terms {
 	double *size;  /* the sum of the magnitudes of all products that make the value */
 	double *bound; /* |computed - exact| is at most this, exact as for eval_bound, whether products joined to sums are
-			  rounded once or twice: the rounding of the file's decimals and of constants, sine and cosine and underflow included; INFINITY after an overflow */
+			  rounded once or twice: the rounding of the file's decimals and of constants, sine and cosine and
+			  underflow included; INFINITY after an overflow */
 };
 
 /* Evaluate one sample: in[k] points at the rows of argument k (NULL for outputs), out[k] at those of an output (NULL for

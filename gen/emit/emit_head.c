@@ -332,8 +332,8 @@ static void put_operations(const struct emission *e, struct text *out)
 		text_printf(out, " * The %s kernel makes some motion again, by stretches of at most %d joints, instead of keeping it.\n",
 			emit_main(e)->algorithm->name, emit_joints_again(e));
 	if (emit_loops(e))
-		text_printf(out, " * The %s kernel goes over limbs that are alike in loops, %d of them. Its last bits may not be those of the same\n"
-			" * function of target c.\n", emit_main(e)->algorithm->name, emit_loops(e)->count);
+		text_printf(out, " * The %s kernel goes over limbs that are alike in loops, %d of them. Its last bits may not be those of the "
+			"same\n * function of target c.\n", emit_main(e)->algorithm->name, emit_loops(e)->count);
 	if (emit_has_limbs(e))
 		put_limbs(e, "", emit_limbs_of(e), out);
 	if (emit_start_limbs(e))

@@ -97,12 +97,12 @@ void readings_free(struct readings *r, struct arena *a)
 	arena_release(a, r->begin);
 }
 
-int readings_waits(struct waits *w, const struct plan *p, int room, struct arena *a)
+int readings_alive(int *most, const struct plan *p, struct arena *a)
 {
 	struct readings r;
 	int alive = 0;
 
-	*w = (struct waits){0};
+	*most = 0;
 	if (!readings_make(&r, p, a))
 		return 0;
 	for (uint32_t i = 0; i < p->line_count; i++) {
@@ -110,8 +110,7 @@ int readings_waits(struct waits *w, const struct plan *p, int room, struct arena
 
 		for (int k = readings_made(p, &p->lines[i], made); k-- > 0;)
 			alive += r.last[made[k].i] > i;
-		w->most = alive > w->most ? alive : w->most;
-		w->beyond += alive > room ? (size_t)(alive - room) : 0;
+		*most = alive > *most ? alive : *most;
 		for (uint32_t k = r.begin[i]; k < r.begin[i + 1]; k++)
 			alive -= r.last[r.list[k].node] == i;
 	}

@@ -21,8 +21,8 @@ struct readings {
 int readings_make(struct readings *r, const struct plan *p, struct arena *a);
 void readings_free(struct readings *r, struct arena *a);
 
-/* plan_waits of the lines, in whatever order they stand. Returns 0 when memory runs out. */
-int readings_waits(struct waits *w, const struct plan *p, int room, struct arena *a);
+/* plan_alive of the lines, in whatever order they stand. Returns 0 when memory runs out. */
+int readings_alive(int *most, const struct plan *p, struct arena *a);
 
 /* The values that a line makes: 0 to 2, the sine before the cosine. Returns how many. */
 int readings_made(const struct plan *p, const struct line *l, struct ref made[2]);

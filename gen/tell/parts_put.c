@@ -34,7 +34,8 @@ void parts_put_json(const struct emission *e, struct text *out)
 
 		text_printf(out, "%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d, \"hand\": %s, \"stretch\": %d, \"loops\": %d}",
 			i ? "," : "  \"parts\": [", e->tree->bodies[p->first].number, e->tree->bodies[p->last].number,
-			plan_flops(part_operations(p)), p->alive, p->is_hand ? "true" : "false", p->joints, p->pass.each ? p->pass.each->loops->count : 0);
+			plan_flops(part_operations(p)), p->alive, p->is_hand ? "true" : "false", p->joints,
+			p->pass.each ? p->pass.each->loops->count : 0);
 	}
 	text_put(out, e->part_count ? "\n  ],\n" : "");
 }

@@ -181,7 +181,7 @@ static void expect_none(const struct subject *s, const struct rneagen_options *o
 	rneagen_result_free(&t.text);
 }
 
-/* Rows side by side, the same bits for all, a precision that was not measured, a base through which limbs take what they have left, an
+/* Rows side by side, the same bits for all, a precision that was not measured, a vjp on a base that moves, an
    input that all samples share, accelerations, and few operations. */
 START_TEST(test_none)
 {

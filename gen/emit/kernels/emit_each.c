@@ -29,9 +29,8 @@ static const char *first_text(const struct emission *e)
 
 void emit_each_numbers(const struct emission *e, const struct pass *p, struct text *out)
 {
-	struct text rows;
-
 	const struct slot first[] = {{"FIRST", first_text(e)}};
+	struct text rows;
 
 	template_expand(out, template_each_in, first, 1);
 	if (!p->loops->number_count)

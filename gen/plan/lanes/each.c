@@ -168,8 +168,7 @@ static int stand_apart(const struct stretches *s)
 
 static int may_have(const struct part *p, const struct parts_of *x)
 {
-	return stand_apart(p->pass.stretches) && x->is_unpruned && !x->options->strict && x->options->layout == RNEAGEN_AOS &&
-		!is_for_all(x->raw);
+	return stand_apart(p->pass.stretches) && x->is_unpruned && !x->options->strict && !is_for_all(x->raw);
 }
 
 /* What is tried. */
@@ -242,25 +241,25 @@ static int make(struct trial *y, struct pass *p, int joints, int *serves, struct
 static int cost_of(double *cost, struct trial *y, const struct pass *of, int joints)
 {
 	struct pass p = *of;
-	struct waits w = {0};
 	struct arena a;
-	int serves, done;
+	int serves, done, most = 0;
 
 	arena_init(&a, y->x->options->allocator);
-	done = make(y, &p, joints, &serves, &a) && readings_waits(&w, &p.plan, 0, &a);
-	*cost = !done || !serves ? -1 : plan_flops(plan_operations(&p.plan)) + (w.most > ROOM ? COST_BEYOND * (w.most - ROOM) : 0);
+	done = make(y, &p, joints, &serves, &a) && readings_alive(&most, &p.plan, &a);
+	*cost = !done || !serves ? -1 : plan_flops(plan_operations(&p.plan)) + (most > ROOM ? COST_BEYOND * (most - ROOM) : 0);
 	arena_free(&a);
 	return done;
 }
 
-/* The length that costs least; -1: none serves. Returns 0 when memory runs out. */
+/* The length that costs least, where motion may be made again. Returns 0 when memory runs out. */
 static int choose_length(int *joints, struct trial *y, const struct pass *of)
 {
-	int count = again_serves(y->x) && again_is_ordered(y->x->tree) ? (int)(sizeof LENGTHS / sizeof *LENGTHS) : 1;
 	double least = -1;
 
-	*joints = -1;
-	for (int i = 0; i < count; i++) {
+	*joints = 0;
+	if (!again_serves(y->x) || !again_is_ordered(y->x->tree))
+		return 1;
+	for (size_t i = 0; i < sizeof LENGTHS / sizeof *LENGTHS; i++) {
 		double cost;
 
 		if (!cost_of(&cost, y, of, LENGTHS[i]))
@@ -277,7 +276,6 @@ static int choose_length(int *joints, struct trial *y, const struct pass *of)
 static int make_best(struct part *p, struct trial *y, struct arena *a)
 {
 	struct pass *each = arena_alloc(a, 1, sizeof *each);
-	struct waits w;
 	int joints, serves;
 
 	y->loops = arena_alloc(a, 1, sizeof *y->loops);
@@ -286,14 +284,13 @@ static int make_best(struct part *p, struct trial *y, struct arena *a)
 	*each = (struct pass){.algorithm = p->pass.algorithm, .stretches = p->pass.stretches};
 	if (!serves || !choose_length(&joints, y, each))
 		return !serves;
-	if (joints < 0)
+	if (!make(y, each, joints, &serves, a))
+		return 0;
+	if (!serves)
 		return 1;
 	p->joints = joints;
 	p->pass.each = each;
-	if (!make(y, each, joints, &serves, a) || !readings_waits(&w, &each->plan, ROOM, a))
-		return 0;
-	p->alive = w.most;
-	return 1;
+	return readings_alive(&p->alive, &each->plan, a);
 }
 
 int each_make(struct part *p, const struct parts_of *x, struct arena *a)

@@ -6,7 +6,7 @@
 
 #include "plan/grid/parts.h"
 
-/* Make p->pass.each, the part once more with such loops, in layout aos, and p->joints where motion is made again in it; NULL where no
+/* Make p->pass.each, the part once more with such loops, and p->joints where motion is made again in it; NULL where no
    limbs are alike, where their rows do not stand evenly, or where a loop takes what it has left. Returns 0 when memory runs out. */
 int each_make(struct part *p, const struct parts_of *x, struct arena *a);
 
