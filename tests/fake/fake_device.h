@@ -8,7 +8,8 @@
 #undef _GLIBCXX_INCLUDE_NEXT_C_HEADERS
 #include <utility>
 #if FAKE_WAITS
-#include <pthread.h>
+#include <sys/mman.h>
+#include <ucontext.h>
 #endif
 
 #define __CUDACC__ 1
@@ -45,12 +46,7 @@ struct fake_dim {
 	unsigned x, y, z;
 };
 
-/* of each thread its own, where there are threads: launches come one after another */
-#if FAKE_WAITS
-static thread_local fake_dim threadIdx, blockIdx, blockDim, gridDim;
-#else
-static fake_dim threadIdx, blockIdx, blockDim, gridDim;
-#endif
+static fake_dim threadIdx, blockIdx, blockDim, gridDim; /* launches come one after another */
 
 struct alignas(16) float4 {
 	float x, y, z, w;
@@ -122,65 +118,110 @@ template <class... A> static void fake_run_serial(void (*kernel)(A...), void **p
 }
 
 #if FAKE_WAITS
-static constexpr unsigned FAKE_WARP = 32, FAKE_WARPS = 32;
-static pthread_barrier_t fake_block_barrier, fake_warp_barriers[FAKE_WARPS]; /* of the threads of a block, of each warp */
+static constexpr unsigned FAKE_WARP = 32, FAKE_WARPS = 32, FAKE_THREADS = FAKE_WARP * FAKE_WARPS;
+static constexpr size_t FAKE_STACK = 8 << 20;
+
+/* A thread of a block that waits is a context of its own; one of them runs at a time, from one wait to the next. */
+static ucontext_t fake_scheduler, fake_contexts[FAKE_THREADS];
+static bool fake_is_done[FAKE_THREADS];
+static unsigned fake_steps; /* threads that are done, and waits that are over */
+static unsigned char *fake_stacks; /* kept for the next launch */
+
+/* All of `size` threads come to it before one goes on. */
+struct fake_barrier {
+	unsigned size, come, round;
+
+	void wait()
+	{
+		const unsigned mine = round;
+
+		if (++come == size) {
+			come = 0;
+			round++;
+			fake_steps++;
+			return;
+		}
+		while (round == mine)
+			swapcontext(&fake_contexts[threadIdx.x], &fake_scheduler);
+	}
+};
+static fake_barrier fake_block_barrier, fake_warp_barriers[FAKE_WARPS]; /* of the threads of a block, of each warp */
 
 [[maybe_unused]] static void __syncthreads()
 {
-	pthread_barrier_wait(&fake_block_barrier);
+	fake_block_barrier.wait();
 }
 
 [[maybe_unused]] static void __syncwarp()
 {
-	pthread_barrier_wait(&fake_warp_barriers[threadIdx.x / FAKE_WARP]);
+	fake_warp_barriers[threadIdx.x / FAKE_WARP].wait();
 }
 
-/* Where in a launch a thread is. */
-template <class... A> struct fake_place {
-	pthread_t thread;
-	void (*kernel)(A...);
-	void **p;
-	unsigned grid, parts, block, index;
+/* What makecontext takes has no argument. */
+template <class... A> static void (*fake_waiting_kernel)(A...);
+static void **fake_parameters;
 
-	void run() const
-	{
-		for (unsigned b = 0; b < grid * parts; b++) {
-			threadIdx = {index, 0, 0};
-			blockIdx = fake_from_last(b, grid, parts);
-			blockDim = {block, 1, 1};
-			gridDim = {grid, parts, 1};
-			fake_apply(kernel, p, std::index_sequence_for<A...>{});
-			__syncthreads();
-		}
-	}
-};
-
-template <class... A> static void *fake_run_place(void *place)
+template <class... A> static void fake_run_thread()
 {
-	static_cast<const fake_place<A...> *>(place)->run();
-	return nullptr;
+	const unsigned t = threadIdx.x;
+
+	fake_apply(fake_waiting_kernel<A...>, fake_parameters, std::index_sequence_for<A...>{});
+	fake_is_done[t] = true;
+	fake_steps++;
 }
 
-/* Threads that do are real ones; together they go from block to block. */
+static void fake_begin(unsigned t, void (*run)())
+{
+	getcontext(&fake_contexts[t]);
+	fake_contexts[t].uc_stack.ss_sp = fake_stacks + t * FAKE_STACK;
+	fake_contexts[t].uc_stack.ss_size = FAKE_STACK;
+	fake_contexts[t].uc_link = &fake_scheduler;
+	makecontext(&fake_contexts[t], run, 0);
+	fake_is_done[t] = false;
+}
+
+/* Each thread up to where it waits, the last one first in every other block: what only holds in one order fails. Returns how many are
+   done. Where none goes on, some wait for what does not come. */
+static unsigned fake_turn(unsigned block, bool is_from_last)
+{
+	const unsigned before = fake_steps;
+	unsigned done = 0;
+
+	for (unsigned i = 0; i < block; i++) {
+		const unsigned t = is_from_last ? block - 1 - i : i;
+
+		threadIdx = {t, 0, 0};
+		if (!fake_is_done[t])
+			swapcontext(&fake_scheduler, &fake_contexts[t]);
+		done += fake_is_done[t];
+	}
+	if (before == fake_steps)
+		abort();
+	return done;
+}
+
 template <class... A> static void fake_run_threads(void (*kernel)(A...), void **p, unsigned grid, unsigned parts,
 	unsigned block)
 {
-	fake_place<A...> *places = new fake_place<A...>[block];
-
-	pthread_barrier_init(&fake_block_barrier, nullptr, block);
-	for (unsigned w = 0; w * FAKE_WARP < block; w++)
-		pthread_barrier_init(&fake_warp_barriers[w], nullptr, block - w * FAKE_WARP < FAKE_WARP ? block - w * FAKE_WARP : FAKE_WARP);
-	for (unsigned t = 0; t < block; t++) {
-		places[t] = {0, kernel, p, grid, parts, block, t};
-		if (pthread_create(&places[t].thread, nullptr, fake_run_place<A...>, &places[t]))
-			abort();
+	if (!fake_stacks)
+		fake_stacks = static_cast<unsigned char *>(mmap(nullptr, FAKE_THREADS * FAKE_STACK, PROT_READ | PROT_WRITE,
+			MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0));
+	if (block > FAKE_THREADS || fake_stacks == MAP_FAILED)
+		abort();
+	fake_waiting_kernel<A...> = kernel;
+	fake_parameters = p;
+	blockDim = {block, 1, 1};
+	gridDim = {grid, parts, 1};
+	for (unsigned b = 0; b < grid * parts; b++) {
+		blockIdx = fake_from_last(b, grid, parts);
+		fake_block_barrier = {block, 0, 0};
+		for (unsigned w = 0; w * FAKE_WARP < block; w++)
+			fake_warp_barriers[w] = {block - w * FAKE_WARP < FAKE_WARP ? block - w * FAKE_WARP : FAKE_WARP, 0, 0};
+		for (unsigned t = 0; t < block; t++)
+			fake_begin(t, fake_run_thread<A...>);
+		while (fake_turn(block, b % 2) < block)
+			;
 	}
-	for (unsigned t = 0; t < block; t++)
-		pthread_join(places[t].thread, nullptr);
-	pthread_barrier_destroy(&fake_block_barrier);
-	for (unsigned w = 0; w * FAKE_WARP < block; w++)
-		pthread_barrier_destroy(&fake_warp_barriers[w]);
-	delete[] places;
 }
 #endif
 
