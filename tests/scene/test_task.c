@@ -9,7 +9,7 @@
 #include <string.h>
 
 enum { LINKS = 12, EACH = 3 };
-#define ROBOTS (sanitized() ? 30 : exhaustive() ? 120 : 24) /* random trees */
+#define ROBOTS (sanitized() ? 30 : exhaustive() ? 60 : 24) /* random trees */
 
 static void fold(struct task_case *c)
 {
