@@ -21,6 +21,9 @@
 
 enum { ITEM_LIMIT = 512, THREAD_LIMIT = 64 };
 
+/* The median of fewer says nothing. */
+enum { FEW_REPLAYS = 7 };
+
 struct work {
 	const char *folder;
 	struct item *items;
@@ -133,6 +136,28 @@ static int read_reference(const char *folder, struct item *it, struct reference 
 	return 0;
 }
 
+/* Returns 0 where a launch takes longer at the end than at the beginning: then some latencies do too. */
+static int measure_latencies(const struct gpu *g, const struct settings *s, struct floor *f, const struct work *w)
+{
+	double after;
+
+	f->empty_graph = measure_empty(g, s, f);
+	for (size_t i = 0; i < w->count; i++) {
+		struct reference r;
+
+		if (read_reference(w->folder, &w->items[i], &r)) {
+			measure_latency(g, s, &w->items[i], &r);
+			reference_free(&r);
+		}
+	}
+	after = measure_empty(g, s, f);
+	if (after <= 1.1 * f->empty_graph || s->replays < FEW_REPLAYS)
+		return 1;
+	printf("FAIL latencies: a launch of an empty kernel took %.3f us before, and takes %.3f now\n", f->empty_graph * 1e6,
+		after * 1e6);
+	return 0;
+}
+
 static void check_aot(
 	const struct gpu *g, const struct settings *s, const char *folder, struct item *it, const struct reference *r)
 {
@@ -237,7 +262,7 @@ int main(int argc, char **argv)
 	struct work w = {.items = items, .options = {.backend = RNEA_BACKEND_CUDA, .cache = ""}};
 	struct gpu g;
 	struct floor f;
-	int failures;
+	int failures, is_steady = 1;
 
 	if (!read_options(&s, argc, argv)) {
 		fputs("usage: gpu_check FOLDER RESULTS.csv [OPTION VALUE]...; the options stand in tests/gpu/check/check.c\n",
@@ -250,15 +275,19 @@ int main(int argc, char **argv)
 		return 2;
 	gpu_start(&g);
 	floor_open(&g, &f);
-	if (s.replays > 0)
-		measure_empty(&g, &s, &f);
 	open_all(&w);
+	if (s.replays > 0)
+		is_steady = measure_latencies(&g, &s, &f, &w);
 	for (size_t i = 0; i < w.count; i++)
 		check_item(&g, &s, &f, w.folder, &items[i], &items[(i + w.count / 2) % w.count]);
+	if (s.replays > 0) {
+		f.empty_streams = measure_empty(&g, &s, &f);
+		f.empty_host = f.module ? cost_launch(&g, &s, f.empty, NULL, NULL) : 0;
+	}
 	failures = report(&g, &s, &f, items, w.count, argv[2]);
 	for (size_t i = 0; i < w.count; i++)
 		rnea_close(items[i].robot);
 	floor_close(&g, &f);
 	gpu_stop(&g);
-	return failures != 0;
+	return failures != 0 || !is_steady;
 }

@@ -84,13 +84,19 @@ struct floor {
 	CUmodule module;
 	CUfunction scalar[2], vector[2]; /* f32, f64 */
 	CUfunction empty;
-	double empty_graph, empty_host; /* s for a launch of it, like item's latency and host */
+	/* s for a launch of it, like item's latency, and the same after all checks, whose kernels ran in several streams; like item's host */
+	double empty_graph, empty_streams, empty_host;
 };
 
 void floor_open(const struct gpu *g, struct floor *f);
 void floor_close(const struct gpu *g, struct floor *f);
 
-void measure_empty(const struct gpu *g, const struct settings *s, struct floor *f);
+/* The latencies. They come before the checks: once a context has run kernels in several streams, each launch of a graph takes
+   longer (H100, driver 580: 0.18 us, an empty kernel's too), and stays so. */
+void measure_latency(const struct gpu *g, const struct settings *s, struct item *it, const struct reference *r);
+
+/* s for a launch of an empty kernel in a graph; 0: there is none. */
+double measure_empty(const struct gpu *g, const struct settings *s, const struct floor *f);
 void measure(const struct gpu *g, const struct settings *s, const struct floor *f, struct item *it,
 	const struct reference *r);
 

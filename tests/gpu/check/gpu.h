@@ -28,6 +28,7 @@
 	X(cuMemcpyHtoD)                                                                                                \
 	X(cuMemcpyDtoH)                                                                                                \
 	X(cuMemcpyDtoD)                                                                                                \
+	X(cuMemsetD8Async)                                                                                             \
 	X(cuMemsetD8)                                                                                                  \
 	X(cuStreamCreate)                                                                                              \
 	X(cuStreamSynchronize)                                                                                         \

@@ -84,7 +84,7 @@ static void set_new(const struct gpu *g, struct sets *s)
 		if (s->n > 1)
 			GPU(g, cuMemcpyDtoD, (new->data[i], s->set[0].data[i], s->bytes[i]));
 		else
-			GPU(g, cuMemsetD8, (new->data[i], 0, s->bytes[i]));
+			GPU(g, cuMemsetD8Async, (new->data[i], 0, s->bytes[i], g->stream));
 	}
 }
 
@@ -183,19 +183,29 @@ static double latency(
 	return median / s->chain;
 }
 
-void measure_empty(const struct gpu *g, const struct settings *s, struct floor *f)
+void measure_latency(const struct gpu *g, const struct settings *s, struct item *it, const struct reference *r)
+{
+	const struct rnea_info *info = rnea_info(it->robot);
+
+	if (info->input_count != ARRAYS - 1 || info->output_count != 1)
+		return;
+	it->latency[0] = latency(g, s, it, r, 1);
+	it->latency[1] = latency(g, s, it, r, 1024);
+}
+
+double measure_empty(const struct gpu *g, const struct settings *s, const struct floor *f)
 {
 	CUgraphExec graph;
+	double median;
 
 	if (!f->module)
-		return;
+		return 0;
 	gpu_capture_begin(g);
 	for (int i = 0; i < s->chain; i++)
 		GPU(g, cuLaunchKernel, (f->empty, 1, 1, 1, 1, 1, 1, 0, g->stream, NULL, NULL));
 	graph = gpu_capture_end(g);
-	replay_in_turns(g, &graph, 1, s->replays, &f->empty_graph);
-	f->empty_graph /= s->chain;
-	f->empty_host = cost_launch(g, s, f->empty, NULL, NULL);
+	replay_in_turns(g, &graph, 1, s->replays, &median);
+	return median / s->chain;
 }
 
 /* Launches that move some 5 GB, so that the ends of a graph do not show; every set as often as the others. */
@@ -241,8 +251,6 @@ void measure(const struct gpu *g, const struct settings *s, const struct floor *
 
 	if (info->input_count != ARRAYS - 1 || info->output_count != 1)
 		return;
-	it->latency[0] = latency(g, s, it, r, 1);
-	it->latency[1] = latency(g, s, it, r, 1024);
 	it->host = cost_launch(g, s, NULL, it, r);
 	it->large = throughput(g, s, f, it, r, s->large);
 	if (it->is_listed)
