@@ -50,7 +50,7 @@ extern const char template_kernel_limbs_in[], template_limbs_join_in[], template
 extern const char template_limb_known_in[], template_launch_limbs_in[];
 extern const char template_kernel_again_in[], template_call_known_in[], template_call_any_in[], template_spill_in[];
 extern const char template_columns_in[], template_segment_columns_c_in[], template_lanes_in[], template_lanes_call_in[];
-extern const char template_each_in[], template_each_numbers_in[];
+extern const char template_each_in[], template_each_numbers_in[], template_numbers_in[];
 extern const char template_segment_columns_many_in[], template_segment_zeros_in[];
 extern const char template_sines_in[], template_sines_bytes_in[], template_header_known_in[];
 extern const char template_patterns_c_in[], template_patterns_cu_in[], template_arithmetic_strict_header_in[];

@@ -101,11 +101,11 @@ static const struct pass *lines_of(const struct pass *p)
 	return p->each ? p->each : p;
 }
 
-static void put_statements(const struct emission *e, const struct pass *p, struct text *out)
+static void put_statements(const struct emission *e, const struct pass *p, struct numbers *table, struct text *out)
 {
 	emit_unused(e, &p->plan, "", out);
 	text_put(out, emit_has_known(e) ? "\tint all_small = 1;\n" : "");
-	unparse(e, lines_of(p), e->numbers, out);
+	unparse(e, lines_of(p), e->numbers, table, out);
 	text_put(out, emit_has_known(e) ? "\treturn all_small;\n" : "");
 }
 
@@ -117,15 +117,22 @@ static void put_body(const struct emission *e, const struct pass *p, struct text
 		{"RESULT", emit_has_known(e) ? "int" : "void"},
 		{"RETURNS", emit_has_known(e) ? EMIT_RETURNS : ""},
 	};
+	struct numbers *table = emit_has_numbers(e) ? arena_alloc(e->arena, 1, sizeof *table) : NULL;
 	size_t count = sizeof slots / sizeof *slots, from;
+	struct text statements;
 	const char *rest;
 
+	text_init(&statements, e->arena);
+	put_statements(e, p, table, &statements);
 	if (p->each)
 		emit_each_numbers(e, p->each, out);
+	if (table)
+		emit_numbers(e, p, table, out);
 	from = out->length;
 	rest = template_expand_to(out, template_body_in, "BODY", slots, count);
 	fold(out, from);
-	put_statements(e, p, out);
+	text_put(out, text_string(&statements));
+	out->failed |= statements.failed;
 	template_expand(out, rest, slots, count);
 }
 

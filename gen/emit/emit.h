@@ -139,6 +139,9 @@ int emit_bounds_by_table(const struct emission *e, const struct dag *d);
 /* A number that reads back as the same value in the type: the shortest decimal that does. */
 void emit_number(const struct emission *e, const struct scalar *s, real value, struct text *out);
 
+/* Have the bodies of the text's kernels their constants in tables (kernels/emit_numbers.c)? */
+int emit_has_numbers(const struct emission *e);
+
 /* Operations of the main function: of its parts together, or of the kernels of a relay. */
 struct operation_count emit_operations(const struct emission *e);
 

@@ -266,7 +266,7 @@ static void put_running(const struct emission *e, const struct pass *p, struct t
 	put_operations_within(e, p, slots, count, out);
 	rest = template_expand_to(out, template_bounded_function_in, "BODY", slots, count);
 	fold(out, from);
-	unparse(e, p, e->numbers->bounded, out);
+	unparse(e, p, e->numbers->bounded, NULL, out);
 	from = out->length;
 	template_expand(out, rest, slots, count);
 	fold(out, from);

@@ -188,6 +188,8 @@ static void put_functions(const struct emission *e, struct text *out)
 		put_entry("RNEA_WIDE_FMA", "the same in the residual's numbers", out);
 	if (e->options->strict)
 		put_entry("RNEA_...", "an operation that is rounded once, and as it stands", out);
+	if (emit_has_numbers(e))
+		put_entry("RNEA_NUMBER", "a constant, in a kernel by its place in a table", out);
 	if (emit_joints_again(e))
 		put_entry("RNEA_READ_ANEW", "an input, read from memory once more", out);
 	if (emit_is_streamed(e))

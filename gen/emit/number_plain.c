@@ -63,7 +63,8 @@ static const char *const WIDE_CALLS[OP_COUNT] = {[OP_FMA] = "RNEA_WIDE_FMA", [OP
 
 static void put_constant(const struct unparser *u, const struct node *n, struct text *out)
 {
-	emit_number(u->emission, u->numbers->arithmetic, n->value, out);
+	if (!emit_put_number(u, n->value, out))
+		emit_number(u->emission, u->numbers->arithmetic, n->value, out);
 }
 
 /* Of a text in floats for a GPU, where a division is a function with branches. */

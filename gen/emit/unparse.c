@@ -378,13 +378,15 @@ void unparse_angles(const struct emission *e, const struct pass *pass, const str
 	}
 }
 
-void unparse(const struct emission *e, const struct pass *pass, const struct number_type *numbers, struct text *out)
+void unparse(const struct emission *e, const struct pass *pass, const struct number_type *numbers, struct numbers *table,
+	struct text *out)
 {
 	const char *unless = emit_zeros_unless(e, pass, numbers->is_beside);
 	struct writer w;
 
 	unparse_begin(&w, e, pass, numbers);
 	unparse_within(&w, &pass->plan);
+	w.own.table = table;
 	w.own.zeros = unless ? ZEROS_LEFT : ZEROS_AMONG;
 	unparse_lines(&w, &pass->plan, out);
 	if (pass->windows.slots && !numbers->is_beside)

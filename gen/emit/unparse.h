@@ -5,6 +5,13 @@
 
 #include "emit/emit.h"
 
+/* Constants of a pass, without their signs. */
+enum { NUMBERS_LIMIT = 2048 };
+struct numbers {
+	double value[NUMBERS_LIMIT];
+	int count;
+};
+
 struct unparser {
 	const struct emission *emission;
 	const struct pass *pass;
@@ -17,14 +24,16 @@ struct unparser {
 	enum { ZEROS_AMONG, ZEROS_LEFT, ZEROS_ALONE } zeros;
 	int loop; /* over limbs, which the lines are in, from 1; 0: none (kernels/emit_each.c) */
 	int is_over_columns; /* lines of a loop over columns, on a processor */
+	struct numbers *table; /* of constants, in the order in which they are met (kernels/emit_numbers.c); NULL: they stand in the code */
 	struct angles sines; /* where the table of known ones has them */
 	size_t sections; /* so many of the plan's DAG are behind */
 	unsigned char written[SECTION_COUNT][5]; /* whose formula stands there already: section.c */
 };
 
-/* The statements of a pass in numbers of a type, each indented by one tab. Errors: NUMBER when a constant is no finite
-   number in the target's precision. */
-void unparse(const struct emission *e, const struct pass *p, const struct number_type *numbers, struct text *out);
+/* The statements of a pass in numbers of a type, each indented by one tab. Its constants go to the table, unless that is NULL. Errors:
+   NUMBER when a constant is no finite number in the target's precision. */
+void unparse(const struct emission *e, const struct pass *p, const struct number_type *numbers, struct numbers *table,
+	struct text *out);
 
 /* The same in steps, for a pass in segments: what was said once is not said again. A writer stays where it began. */
 struct writer {
@@ -67,6 +76,10 @@ void emit_put_each_number(const struct unparser *u, const struct node *n, struct
 void emit_each_before(struct unparser *u, const struct plan *lines, size_t line, struct text *out);
 void emit_put_leaving(const struct unparser *u, struct ref a, struct text *out);
 void emit_put_each_step(const struct unparser *u, struct ref angle, int first, struct text *out);
+
+/* A constant by its place in the table: 0 where it stands in the code. The table of a pass, before its body. */
+int emit_put_number(const struct unparser *u, real constant, struct text *out);
+void emit_numbers(const struct emission *e, const struct pass *p, const struct numbers *table, struct text *out);
 
 /* Does a store of the loop speak of a limb other than the first, whose store serves all? */
 int emit_is_later_limb(const struct unparser *u, const struct line *store);
