@@ -9,6 +9,7 @@
      --replays N        of a graph, for the median; 0: no times
      --chain N          launches in a graph for the latency
      --block N          threads per block
+     --latency TEXT     of this text alone, in a context where no other has run: its latencies, a row at the end of RESULTS.csv; no checks
      --cache FOLDER     empty: the time to open with a cache and without, for the texts that the manifest calls build */
 #include "check.h"
 #include <pthread.h>
@@ -60,6 +61,18 @@ static size_t read_manifest(const char *folder, const char *name, struct item *i
 	}
 	fclose(f);
 	return n;
+}
+
+/* The text of this name alone, if it is there. */
+static size_t keep_one(struct item *items, size_t count, const char *text)
+{
+	for (size_t i = 0; i < count; i++)
+		if (strcmp(items[i].text, text) == 0) {
+			items[0] = items[i];
+			return 1;
+		}
+	fprintf(stderr, "%s: not in the manifest\n", text);
+	return 0;
 }
 
 /* Has the text a kernel of small batches that the robot does without? The runtime says nothing of that. */
@@ -204,6 +217,16 @@ static void check_item(const struct gpu *g, const struct settings *s, const stru
 	fflush(stdout);
 }
 
+/* Returns how many failed. */
+static int check_all(const struct gpu *g, const struct settings *s, struct floor *f, struct work *w, const char *results)
+{
+	for (size_t i = 0; i < w->count; i++)
+		check_item(g, s, f, w->folder, &w->items[i], &w->items[(i + w->count / 2) % w->count]);
+	if (s->replays > 0 && f->module)
+		f->empty_host = cost_launch(g, s, f->empty, NULL, NULL);
+	return report(g, s, f, w->items, w->count, results);
+}
+
 /* "1,2,3" */
 static int read_counts(struct settings *s, const char *text)
 {
@@ -236,6 +259,8 @@ static int read_options(struct settings *s, int argc, char **argv)
 			s->chain = atoi(value);
 		else if (strcmp(argv[i], "--block") == 0)
 			s->block = (unsigned)atoi(value);
+		else if (strcmp(argv[i], "--latency") == 0)
+			s->latency = value;
 		else if (strcmp(argv[i], "--cache") == 0)
 			s->cache = value;
 		else if (strcmp(argv[i], "--manifest") == 0)
@@ -271,20 +296,14 @@ int main(int argc, char **argv)
 	}
 	w.folder = argv[1];
 	w.options.block = s.block;
-	if (!(w.count = read_manifest(w.folder, s.manifest, items)))
+	if (!(w.count = read_manifest(w.folder, s.manifest, items)) || (s.latency && !(w.count = keep_one(items, w.count, s.latency))))
 		return 2;
 	gpu_start(&g);
 	floor_open(&g, &f);
 	open_all(&w);
 	if (s.replays > 0)
 		is_steady = measure_latencies(&g, &s, &f, &w);
-	for (size_t i = 0; i < w.count; i++)
-		check_item(&g, &s, &f, w.folder, &items[i], &items[(i + w.count / 2) % w.count]);
-	if (s.replays > 0) {
-		f.empty_streams = measure_empty(&g, &s, &f);
-		f.empty_host = f.module ? cost_launch(&g, &s, f.empty, NULL, NULL) : 0;
-	}
-	failures = report(&g, &s, &f, items, w.count, argv[2]);
+	failures = s.latency ? report_latency(&f, items, argv[2]) : check_all(&g, &s, &f, &w, argv[2]);
 	for (size_t i = 0; i < w.count; i++)
 		rnea_close(items[i].robot);
 	floor_close(&g, &f);

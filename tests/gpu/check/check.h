@@ -16,6 +16,7 @@ struct settings {
 	const char *cache;         /* an empty folder, for the time to open with a cache and without; NULL: no such time */
 	int replays;               /* of a graph, for the median; 0: no times */
 	unsigned block;            /* threads per block; 0: as each text has it */
+	const char *latency;       /* the one text whose latencies are wanted, and no checks; NULL: all, and checks */
 	const char *manifest;      /* a file of the folder of the texts */
 	const char *aot;           /* a folder there, of what nvcc has built of them */
 	int chain;                 /* launches in a graph for the latency, the most for the time per sample */
@@ -84,15 +85,14 @@ struct floor {
 	CUmodule module;
 	CUfunction scalar[2], vector[2]; /* f32, f64 */
 	CUfunction empty;
-	/* s for a launch of it, like item's latency, and the same after all checks, whose kernels ran in several streams; like item's host */
-	double empty_graph, empty_streams, empty_host;
+	double empty_graph, empty_host; /* s for a launch of it, like item's latency and host */
 };
 
 void floor_open(const struct gpu *g, struct floor *f);
 void floor_close(const struct gpu *g, struct floor *f);
 
-/* The latencies. They come before the checks: once a context has run kernels in several streams, each launch of a graph takes
-   longer (H100, driver 580: 0.18 us, an empty kernel's too), and stays so. */
+/* The latencies. Once a context has run kernels in several streams, each launch of a graph takes longer (H100, driver 580: 0.18 us, an
+   empty kernel's too), and stays so: --latency has a context of its own. */
 void measure_latency(const struct gpu *g, const struct settings *s, struct item *it, const struct reference *r);
 
 /* s for a launch of an empty kernel in a graph; 0: there is none. */
@@ -109,6 +109,9 @@ double cost_launch(const struct gpu *g, const struct settings *s, CUfunction fun
 
 /* Open the text at `path` with the empty folder `cache`, then with what it has left there. */
 void cost_build(struct item *it, const char *path, const char *cache);
+
+/* Adds a row to `path`: text, robot, precision, layout, us of an empty kernel, of 1 and of 1024 samples. Returns 1 where it failed. */
+int report_latency(const struct floor *f, const struct item *it, const char *path);
 
 /* A table on standard output, and the same and more at `path`. Returns the number of items that failed. */
 int report(const struct gpu *g, const struct settings *s, const struct floor *f, const struct item *items, size_t count,

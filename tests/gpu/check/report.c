@@ -88,10 +88,8 @@ static int put_csv(const struct gpu *g, const struct settings *s, const struct f
 		"# device %s, driver %s (CUDA %d.%d), %s, commit %s, times over %zu samples, medians of %d replays\n",
 		g->name, of_environment("RNEA_DRIVER"), g->driver / 1000, g->driver % 1000 / 10, date,
 		of_environment("RNEA_COMMIT"), s->large, s->replays);
-	fprintf(f,
-		"# an empty kernel: %.3f us a launch in a graph, %.3f once kernels have run in several streams, %.3f us of the "
-		"host a launch in a stream\n",
-		floor->empty_graph * 1e6, floor->empty_streams * 1e6, floor->empty_host * 1e6);
+	fprintf(f, "# an empty kernel: %.3f us a launch in a graph, %.3f us of the host a launch in a stream\n",
+		floor->empty_graph * 1e6, floor->empty_host * 1e6);
 	fputs("text,result,robot,precision,layout,trig,base,nq,nv,nb,block,busy_block,flops,sincos,", f);
 	fputs("registers,local_bytes,fpass_registers,fpass_local_bytes,bpass_registers,bpass_local_bytes,", f);
 	fputs("shared_bytes,open_s,us_at_1,us_at_1024,ps_per_sample,floor_ps_per_sample,of_floor,", f);
@@ -99,6 +97,21 @@ static int put_csv(const struct gpu *g, const struct settings *s, const struct f
 	fputs("run_us_at_1,run_locked_us_at_1,run_ms,run_locked_ms,copies_ms\n", f);
 	for (size_t i = 0; i < count; i++)
 		put_csv_row(f, &items[i]);
+	return fclose(f) != 0;
+}
+
+int report_latency(const struct floor *floor, const struct item *it, const char *path)
+{
+	FILE *f = *it->failure || !it->robot ? NULL : fopen(path, "a");
+	const struct rnea_info *info;
+
+	if (!f) {
+		fprintf(stderr, "%s: %s\n", it->text, *it->failure ? it->failure : "cannot be written");
+		return 1;
+	}
+	info = rnea_info(it->robot);
+	fprintf(f, "%s,%s,%s,%s,%.4f,%.4f,%.4f\n", it->text, info->name, precision_name(info), info->layout == RNEA_AOS ? "aos" : "soa",
+		floor->empty_graph * 1e6, it->latency[0] * 1e6, it->latency[1] * 1e6);
 	return fclose(f) != 0;
 }
 
