@@ -117,7 +117,7 @@ static void put_body(const struct emission *e, const struct pass *p, struct text
 		{"RESULT", emit_has_known(e) ? "int" : "void"},
 		{"RETURNS", emit_has_known(e) ? EMIT_RETURNS : ""},
 	};
-	struct numbers *table = emit_has_numbers(e) ? arena_alloc(e->arena, 1, sizeof *table) : NULL;
+	struct numbers *table = emit_new_numbers(e);
 	size_t count = sizeof slots / sizeof *slots, from;
 	struct text statements;
 	const char *rest;

@@ -6,10 +6,9 @@
 #include "emit/emit.h"
 
 /* Constants of a pass, without their signs. */
-enum { NUMBERS_LIMIT = 2048 };
 struct numbers {
-	double value[NUMBERS_LIMIT];
-	int count;
+	double *value;
+	int count, limit;
 };
 
 struct unparser {
@@ -77,7 +76,9 @@ void emit_each_before(struct unparser *u, const struct plan *lines, size_t line,
 void emit_put_leaving(const struct unparser *u, struct ref a, struct text *out);
 void emit_put_each_step(const struct unparser *u, struct ref angle, int first, struct text *out);
 
-/* A constant by its place in the table: 0 where it stands in the code. The table of a pass, before its body. */
+/* An empty table for a body's constants; NULL: they stand in the code. A constant by its place in the table: 0 where it stands in the code.
+   The table of a pass, before its body. */
+struct numbers *emit_new_numbers(const struct emission *e);
 int emit_put_number(const struct unparser *u, real constant, struct text *out);
 void emit_numbers(const struct emission *e, const struct pass *p, const struct numbers *table, struct text *out);
 

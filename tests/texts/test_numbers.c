@@ -74,17 +74,19 @@ static int check_statements(const char *from, const char *end, const double *num
 	return uses;
 }
 
-/* Returns how many uses there are. */
+/* Returns how many uses there are. All tables have room in 64 KB of constant memory, beside what else there is. */
 static int check_places(const char *source)
 {
 	static double numbers[LIMIT];
 	const char *at = source, *next;
-	int uses = 0, count;
+	int uses = 0, all = 0, count;
 
 	while ((count = read_table(&at, numbers))) {
+		all += count;
 		next = strstr(at, "\n#undef RNEA_NUMBER");
 		uses += check_statements(at, next ? next : at + strlen(at), numbers, count);
 	}
+	ck_assert_int_le(all, 6144);
 	return uses;
 }
 
@@ -120,6 +122,22 @@ static void expect_none(const char *robot, const char *scene, enum rneagen_preci
 	rneagen_result_free(&t.text);
 }
 
+/* More constants in all than constant memory has room for: 30 parts of a robot of 75 joints. */
+START_TEST(test_room)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct target t;
+
+	if (!exhaustive())
+		return;
+	o.precision = RNEAGEN_F64;
+	o.parts = 30;
+	launched_generate(&t, "chain_75", "want tau,dtau_dq,dtau_dqd\n", 0, &o);
+	ck_assert_int_gt(check_places(t.text.source), 10000);
+	rneagen_result_free(&t.text);
+}
+END_TEST
+
 /* Floats, C, torques, a vjp, and few operations. */
 START_TEST(test_none)
 {
@@ -140,6 +158,7 @@ int main(void)
 	setenv("RNEA_CACHE", "", 1);
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(s, "values", test_values, sizeof SUBJECTS / sizeof *SUBJECTS, 300);
+	suite_add(s, "room", test_room, 1, 300);
 	suite_add(s, "none", test_none, 1, 120);
 	return suite_run(s);
 }

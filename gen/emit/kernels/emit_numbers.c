@@ -16,6 +16,9 @@
    and with a vjp they lose, in loops over limbs: jvrc1 in aos 1927, 2037 (33.8, 36.2). */
 enum { LEAST_OPERATIONS = 6000 };
 
+/* Of all tables of a text: 48 of the 64 KB that a program has of constant memory. */
+enum { MOST_NUMBERS = 6144 };
+
 int emit_has_numbers(const struct emission *e)
 {
 	const struct request *k = e->request;
@@ -25,7 +28,19 @@ int emit_has_numbers(const struct emission *e)
 		plan_flops(emit_operations(e)) > LEAST_OPERATIONS;
 }
 
-/* Where a float has all its digits, an instruction has room for it. */
+struct numbers *emit_new_numbers(const struct emission *e)
+{
+	int bodies = 2 + e->part_count + (e->relay ? e->relay->start_count : 0);
+	struct numbers *table = emit_has_numbers(e) ? arena_alloc(e->arena, 1, sizeof *table) : NULL;
+
+	if (!table)
+		return NULL;
+	table->limit = MOST_NUMBERS / bodies;
+	table->value = arena_alloc(e->arena, (size_t)table->limit, sizeof *table->value);
+	return table->value ? table : NULL;
+}
+
+/* An instruction has room for the high half of a double. */
 static int is_short(double value)
 {
 	uint64_t bits;
@@ -40,7 +55,7 @@ static int place_of(struct numbers *table, double value)
 	for (int i = 0; i < table->count; i++)
 		if (table->value[i] == value)
 			return i;
-	if (table->count == NUMBERS_LIMIT)
+	if (table->count == table->limit)
 		return -1;
 	table->value[table->count] = value;
 	return table->count++;
