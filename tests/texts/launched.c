@@ -1,9 +1,19 @@
+#define _POSIX_C_SOURCE 200809L
 #include "launched.h"
 #include "support/rng.h"
 #include <check.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+void launched_pretend(void)
+{
+	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
+	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
+	setenv("RNEA_CACHE", "", 1);
+	setvbuf(stdout, NULL, _IOLBF, 0);
+}
 
 void launched_generate(struct target *t, const char *name, const char *scene, int floating,
 	const struct rneagen_options *options)

@@ -5,6 +5,9 @@
 #include "urdf.h"
 #include "target/target.h"
 
+/* From now on the runtime's GPU is the pretended one, without a cache, and what a test prints is seen as it is printed. */
+void launched_pretend(void);
+
 /* The text of tests/robots/NAME.urdf with this scene and base, "": none, and else these options. */
 void launched_generate(struct target *t, const char *name, const char *scene, int floating,
 	const struct rneagen_options *options);

@@ -1,6 +1,5 @@
 /* Torques, accelerations and vjp of limbs that share nothing, in parts of the grid: the same bits as of the whole text compiled as
    C, for blocks that have room in shared memory and for others; which texts are in such parts, and which stay whole. */
-#define _POSIX_C_SOURCE 200809L
 #include "launched.h"
 #include "base/text.h"
 #include "plan/grid/hands.h"
@@ -320,10 +319,7 @@ int main(void)
 {
 	Suite *s = suite_create("apart");
 
-	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
-	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
-	setenv("RNEA_CACHE", "", 1);
-	setvbuf(stdout, NULL, _IOLBF, 0);
+	launched_pretend();
 	suite_add(s, "values", test_values, sizeof APART / sizeof *APART, 300);
 	suite_add(s, "whole", test_whole, sizeof WHOLE / sizeof *WHOLE, 60);
 	suite_add(s, "strict", test_strict, 1, 60);

@@ -1,6 +1,5 @@
 /* Loops over limbs that are alike, in kernels: what they give beside the whole text compiled as C, for robots whose limbs mirror each
    other, turn the other way, and follow; which texts have loops, and which have none. */
-#define _POSIX_C_SOURCE 200809L
 #include "launched.h"
 #include "base/text.h"
 #include "support/exhaustive.h"
@@ -219,10 +218,7 @@ int main(void)
 {
 	Suite *s = suite_create("each");
 
-	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
-	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
-	setenv("RNEA_CACHE", "", 1);
-	setvbuf(stdout, NULL, _IOLBF, 0);
+	launched_pretend();
 	suite_add(s, "values", test_values, sizeof SUBJECTS / sizeof *SUBJECTS, 300);
 	suite_add(s, "none", test_none, 1, 120);
 	return suite_run(s);

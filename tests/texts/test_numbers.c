@@ -1,5 +1,5 @@
-/* Constants in a table: each stands at the place by which a statement names it, and kernels find it there; which texts have tables. */
-#define _POSIX_C_SOURCE 200809L
+/* Constants in a table: each stands at the place by which a statement names it, and kernels find it there; which texts have
+   tables. */
 #include "launched.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
@@ -153,10 +153,7 @@ int main(void)
 {
 	Suite *s = suite_create("numbers");
 
-	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
-	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
-	setenv("RNEA_CACHE", "", 1);
-	setvbuf(stdout, NULL, _IOLBF, 0);
+	launched_pretend();
 	suite_add(s, "values", test_values, sizeof SUBJECTS / sizeof *SUBJECTS, 300);
 	suite_add(s, "room", test_room, 1, 300);
 	suite_add(s, "none", test_none, 1, 120);

@@ -1,7 +1,6 @@
 /* Kernels of matrices. In parts of the grid: values as those of the whole text, on the pretended driver and compiled as C;
    every element written, and by one part alone; what the text and the runtime say of it; what is refused. Which stores go past
    the cache. */
-#define _POSIX_C_SOURCE 200809L
 #include "launched.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
@@ -273,10 +272,7 @@ int main(void)
 {
 	Suite *s = suite_create("parts");
 
-	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
-	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
-	setenv("RNEA_CACHE", "", 1);
-	setvbuf(stdout, NULL, _IOLBF, 0);
+	launched_pretend();
 	suite_add(s, "parts", test_parts, SUBJECT_COUNT, 600);
 	suite_add(s, "fits", test_fits, sizeof FITS / sizeof *FITS, 60);
 	suite_add(s, "stores", test_stores, sizeof STORED / sizeof *STORED, 60);

@@ -5,7 +5,6 @@
    target C in segments: test_targets, against the independent reference. Derivatives of qdd of one sample by a loop over
    their columns: as those of the whole text, which has none; this would catch a column left out or solved twice, a factor of
    another row, and the end of a batch, whose rows are apart. */
-#define _POSIX_C_SOURCE 200809L
 #include "launched.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
@@ -259,10 +258,7 @@ int main(void)
 {
 	Suite *s = suite_create("segments");
 
-	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
-	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
-	setenv("RNEA_CACHE", "", 1);
-	setvbuf(stdout, NULL, _IOLBF, 0);
+	launched_pretend();
 	suite_add(s, "values", test_values, 2 * SUBJECT_COUNT, 600);
 	suite_add(s, "looped", test_looped, sizeof LOOPED / sizeof *LOOPED, 120);
 	suite_add(s, "chosen", test_chosen, sizeof CHOICES / sizeof *CHOICES, 60);

@@ -191,10 +191,7 @@ int main(void)
 {
 	Suite *s = suite_create("small_batches");
 
-	setenv("RNEA_LIBCUDA", FAKE_CUDA, 1);
-	setenv("RNEA_NVRTC", FAKE_NVRTC, 1);
-	setenv("RNEA_CACHE", "", 1);
-	setvbuf(stdout, NULL, _IOLBF, 0);
+	launched_pretend();
 	suite_add(s, "values", test_values, SUBJECT_COUNT, 600);
 	suite_add(s, "without", test_without, 2, 60);
 	suite_add(s, "refused", test_refused, 2, 60);
