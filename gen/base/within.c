@@ -17,13 +17,18 @@ static struct within closed(real x, real near, real e)
 	return (struct within){x, near, e > 0 ? e * (1 + 16 * UNIT) + LDBL_TRUE_MIN : 0, 0, 0};
 }
 
-static unsigned kind_of(struct within a)
+static int is_nothing(const struct within *a)
 {
-	double x = (double)a.x;
+	return a->near == 0 && a->e == 0 && a->x == 0 && !a->limb;
+}
+
+static unsigned kind_of(const struct within *a)
+{
+	double x = (double)a->x;
 	uint64_t bits;
 
 	memcpy(&bits, &x, sizeof bits);
-	return a.limb ? a.kind : (unsigned)(bits * 0x9e3779b97f4a7c15u >> 33);
+	return a->limb ? a->kind : (unsigned)(bits * 0x9e3779b97f4a7c15u >> 33);
 }
 
 static unsigned mixed(unsigned kind, char sign)
@@ -34,18 +39,17 @@ static unsigned mixed(unsigned kind, char sign)
 }
 
 /* Of an operation, by its sign; its neutral element leaves the kind. */
-static struct within of_limbs(char sign, real neutral, struct within a, struct within b, struct within result)
+static void set_limbs(struct within *result, char sign, real neutral, const struct within *a, const struct within *b)
 {
-	if ((sign == '*' && !b.limb && b.x == 0) || (sign != '+' && !a.limb && a.x == 0))
-		return result;
-	result.limb = a.limb == b.limb || !b.limb ? a.limb : a.limb ? -1 : b.limb;
-	if (!a.limb && a.x == neutral && sign != '/')
-		result.kind = b.kind;
-	else if (!b.limb && b.x == neutral)
-		result.kind = a.kind;
-	else if (result.limb)
-		result.kind = mixed(kind_of(a), sign) + (sign == '/' ? 2 : 1) * mixed(kind_of(b), sign);
-	return result;
+	if ((!a->limb && !b->limb) || (sign == '*' && !b->limb && b->x == 0) || (sign != '+' && !a->limb && a->x == 0))
+		return;
+	result->limb = a->limb == b->limb || !b->limb ? a->limb : a->limb ? -1 : b->limb;
+	if (!a->limb && a->x == neutral && sign != '/')
+		result->kind = b->kind;
+	else if (!b->limb && b->x == neutral)
+		result->kind = a->kind;
+	else if (result->limb)
+		result->kind = mixed(kind_of(a), sign) + (sign == '/' ? 2 : 1) * mixed(kind_of(b), sign);
 }
 
 struct within within_exact(real x)
@@ -74,8 +78,10 @@ struct within within_neg(struct within a)
 struct within within_add(struct within a, struct within b)
 {
 	real sum = a.near + b.near, of_b = sum - a.near, of_a = sum - of_b;
+	struct within c = closed(a.x + b.x, sum, a.e + b.e + fabsl((a.near - of_a) + (b.near - of_b)));
 
-	return of_limbs('+', 0, a, b, closed(a.x + b.x, sum, a.e + b.e + fabsl((a.near - of_a) + (b.near - of_b))));
+	set_limbs(&c, '+', 0, &a, &b);
+	return c;
 }
 
 struct within within_sub(struct within a, struct within b)
@@ -107,24 +113,33 @@ static real rounding(real a, real b, real product)
 struct within within_mul(struct within a, struct within b)
 {
 	real product = a.near * b.near, inherited = fabsl(a.near) * b.e + fabsl(b.near) * a.e + a.e * b.e;
+	struct within c = {a.x * b.x, product, 0, 0, 0};
 
-	return of_limbs('*', 1, a, b, closed(a.x * b.x, product, inherited + rounding(a.near, b.near, product)));
+	if (is_nothing(&a) || is_nothing(&b))
+		return c;
+	c = closed(c.x, product, inherited + rounding(a.near, b.near, product));
+	set_limbs(&c, '*', 1, &a, &b);
+	return c;
 }
 
 /* |a/b - a'/b'| <= (e_a + |a/b| e_b) / (|b| - e_b), and a - fl(a/b) b tells how far the quotient is rounded. */
 struct within within_div(struct within a, struct within b)
 {
 	real quotient = a.near / b.near, rest = rounding(quotient, b.near, a.near), least = fabsl(b.near) - b.e;
+	struct within c = closed(a.x / b.x, quotient, least > 0 ? (a.e + fabsl(quotient) * b.e + rest) / least : (real)INFINITY);
 
-	return of_limbs('/', 1, a, b, closed(a.x / b.x, quotient, least > 0 ? (a.e + fabsl(quotient) * b.e + rest) / least : (real)INFINITY));
+	set_limbs(&c, '/', 1, &a, &b);
+	return c;
 }
 
 /* |r - sqrt(a')| <= |r^2 - a'| / r */
 struct within within_sqrt(struct within a)
 {
 	real root = sqrtl(a.near), e = a.e + rounding(root, root, a.near);
+	struct within c = closed(sqrtl(a.x), root, root > 0 ? e / root : sqrtl(e));
 
-	return of_limbs('r', -1, a, a, closed(sqrtl(a.x), root, root > 0 ? e / root : sqrtl(e)));
+	set_limbs(&c, 'r', -1, &a, &a);
+	return c;
 }
 
 /* The C library's sine and cosine are good to a unit in the last place. */

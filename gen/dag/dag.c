@@ -33,9 +33,8 @@ static uint64_t hash_value(real value)
 
 static uint64_t hash_node(enum op op, struct ref a, struct ref b, struct ref c, real value)
 {
-	uint64_t h = mix((uint64_t)op + 1, a.i);
+	uint64_t h = mix(mix((uint64_t)op + 1, (uint64_t)a.i << 32 | b.i), c.i);
 
-	h = mix(mix(h, b.i), c.i);
 	return op == OP_CONST ? mix(h, hash_value(value)) : h;
 }
 

@@ -313,6 +313,11 @@ double eval_node(const struct node *n, const double *v)
 	return node_f64(n, v, NULL);
 }
 
+double eval_operation(enum op op, double a, double b, double c)
+{
+	return operation_f64(op, a, b, c);
+}
+
 /* Values in extended precision by node; inputs are exact in it. */
 static void evaluate_node(const struct dag *d, size_t i, const double *const *in, real *v)
 {

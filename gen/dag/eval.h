@@ -31,8 +31,9 @@ int eval_real(const struct dag *d, const real *const *in, real *const *out, cons
    bound then is up to five times larger in f64. Returns 0 when memory runs out. */
 int eval_bound(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound);
 
-/* The value of a node that is no input, from the values by node of its operands. */
+/* The value of a node that is no input, from the values by node of its operands; of an operation, from those. */
 double eval_node(const struct node *n, const double *v);
+double eval_operation(enum op op, double a, double b, double c);
 
 /* The derivatives of that value by its operands, of which there are at most three. */
 void eval_partials(const struct node *n, const double *v, double *out);

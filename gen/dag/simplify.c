@@ -17,6 +17,11 @@ static int is_const(const struct dag *d, struct ref a)
 	return at(d, a).op == OP_CONST;
 }
 
+static int is_zero(struct ref a)
+{
+	return ref_equal(a, NONE);
+}
+
 /* A constant that is the same in all lanes, if there are any. */
 static int is_number(const struct dag *d, struct ref a)
 {
@@ -26,7 +31,9 @@ static int is_number(const struct dag *d, struct ref a)
 /* One of which rules may ask what it is. */
 static int is_known(const struct dag *d, struct ref a)
 {
-	return is_number(d, a) && dag_number(d, &d->nodes[a.i]).limb <= 0;
+	const struct node *n = &d->nodes[a.i];
+
+	return is_number(d, a) && (!n->number || d->numbers[n->number - 1].limb <= 0);
 }
 
 static int is_value(const struct dag *d, struct ref a, real value)
@@ -211,6 +218,8 @@ struct ref dag_add(struct dag *d, struct ref a, struct ref b)
 {
 	if (d->failed)
 		return NONE;
+	if (is_zero(a) || is_zero(b))
+		return is_zero(a) ? b : a;
 	if (is_number(d, a) && is_number(d, b))
 		return const_sum(d, number(d, a), number(d, b));
 	if (is_value(d, a, 0))
@@ -236,6 +245,8 @@ struct ref dag_sub(struct dag *d, struct ref a, struct ref b)
 
 	if (d->failed || ref_equal(a, b))
 		return NONE;
+	if (is_zero(a) || is_zero(b))
+		return is_zero(a) ? dag_neg(d, b) : a;
 	if (is_number(d, a) && is_number(d, b))
 		return const_sum(d, number(d, a), within_neg(number(d, b)));
 	if (is_value(d, a, 0))
@@ -254,7 +265,7 @@ struct ref dag_sub(struct dag *d, struct ref a, struct ref b)
 
 struct ref dag_mul(struct dag *d, struct ref a, struct ref b)
 {
-	if (d->failed)
+	if (d->failed || is_zero(a) || is_zero(b))
 		return NONE;
 	if (!in_order(d, a, b))
 		return dag_mul(d, b, a);

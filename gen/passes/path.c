@@ -41,37 +41,40 @@ static int is_on(const struct tree *t, int i, int body)
 }
 
 /* Rows are those of the tree. */
-static int make(struct tree *path, const struct tree *t, int body, struct arena *a)
+int path_make(struct path *p, const struct tree *t, const struct restatement *by, int body, struct arena *a)
 {
 	int *at = arena_alloc(a, (size_t)t->body_count, sizeof *at);
 	struct body *bodies = arena_alloc(a, (size_t)t->body_count, sizeof *bodies);
 	int count = 0;
 
-	if (!at || !bodies)
+	p->by = arena_alloc(a, (size_t)t->body_count, sizeof *p->by);
+	if (!at || !bodies || !p->by)
 		return 0;
 	for (int i = 0; i < t->body_count; i++) {
-		const struct body *k = &t->bodies[i];
-		int is_first = !count;
-
 		if (!is_on(t, i, body))
 			continue;
 		at[i] = count;
-		bodies[count] = *k;
-		bodies[count].parent = is_first ? -1 : at[k->parent];
-		if (is_first && k->parent >= 0) {
-			bodies[count].type = JOINT_FLOATING;
-			bodies[count].iq = t->nq; /* rows of their own */
-			bodies[count].iv = t->nv;
-		}
-		count++;
+		bodies[count] = t->bodies[i];
+		bodies[count].parent = count ? at[t->bodies[i].parent] : -1;
+		p->by[count++] = by[i];
 	}
-	*path = *t;
+	p->body = at[body];
+	p->floats = bodies[0].parent != t->bodies[0].parent;
+	p->tree = *t;
+	p->tree.bodies = bodies;
+	p->tree.body_count = count;
+	p->tree.mimic_count = 0;
+	return 1;
+}
+
+/* The first body, on a base that floats, with rows of its own. */
+static void set_free(struct tree *path)
+{
+	path->bodies[0].type = JOINT_FLOATING;
+	path->bodies[0].iq = path->nq;
+	path->bodies[0].iv = path->nv;
 	path->nq += 7;
 	path->nv += 6;
-	path->bodies = bodies;
-	path->body_count = count;
-	path->mimic_count = 0;
-	return 1;
 }
 
 const struct cost PATH_COST_UNKNOWN = {INT_MAX, LONG_MAX};
@@ -105,32 +108,25 @@ static int weigh_around(const struct tree *t, int body)
 	return n;
 }
 
-static long count(const struct tree *t, int body, struct arena *spare)
-{
-	struct tree path;
-	struct dag d;
-
-	if (!make(&path, t, body, spare))
-		return -1;
-	torques_build(&d, &path, spare);
-	return torques_flops(&d, spare);
-}
-
 /* A frame that has more constants hardly ever takes fewer operations. */
-struct cost path_cost(const struct tree *around, const struct restatement *by, int body, const struct cost *least,
+struct cost path_cost(const struct path *p, const struct restatement *by, const struct cost *least,
 	const struct rneagen_allocator *allocator)
 {
-	struct cost x = PATH_COST_UNKNOWN;
+	struct cost x = {.flops = -1};
 	struct arena spare;
+	struct dag d;
 	struct tree t;
 
 	arena_init(&spare, allocator);
-	if (tree_restate_body(&t, around, by, body, &spare)) {
-		x.constants = weigh_around(&t, body);
-		if (x.constants <= least->constants)
-			x.flops = count(&t, body, &spare);
-	} else {
-		x.flops = -1;
+	p->by[p->body] = *by;
+	if (tree_restate_body(&t, &p->tree, p->by, p->body, &spare)) {
+		x = (struct cost){weigh_around(&t, p->body), LONG_MAX};
+		if (p->floats)
+			set_free(&t);
+		if (x.constants <= least->constants) {
+			torques_build(&d, &t, &spare);
+			x.flops = torques_flops(&d, &spare);
+		}
 	}
 	arena_free(&spare);
 	return x;

@@ -24,9 +24,19 @@ struct cost {
 
 extern const struct cost PATH_COST_UNKNOWN; /* more than any */
 
-/* Of a body that is restated by by[body], and all others as in `around`, which tree_restate_around made. flops is LONG_MAX where
-   there are more constants than *least has, and -1 when memory runs out. */
-struct cost path_cost(const struct tree *around, const struct restatement *by, int body, const struct cost *least,
+/* The path of one body, in a tree of its own. */
+struct path {
+	struct tree tree;
+	struct restatement *by; /* of its bodies */
+	int body;		/* in it */
+	int floats;		/* it does not begin at the ground */
+};
+
+/* In `around`, which tree_restate_around made for this body. Returns 0 when memory runs out. */
+int path_make(struct path *p, const struct tree *around, const struct restatement *by, int body, struct arena *a);
+
+/* Of its body restated so. flops is LONG_MAX where there are more constants than *least has, and -1 when memory runs out. */
+struct cost path_cost(const struct path *p, const struct restatement *by, const struct cost *least,
 	const struct rneagen_allocator *allocator);
 
 #endif

@@ -33,7 +33,8 @@ struct search {
 	const char *keeps;
 	struct restatement *by;
 	char *waits;      /* by body: it or its neighbours have changed since it was tried */
-	struct tree around, now; /* as `by` has it: of all bodies but the one that is tried; of all */
+	struct tree now;  /* as `by` has it */
+	struct path path; /* of the body that is tried */
 	long stated, least; /* operations: of the tree as it is, and by the choices so far */
 	int is_careful;     /* errors are measured at each step */
 	real farthest;
@@ -48,7 +49,7 @@ struct search {
 /* What a body that is restated so costs on its path. */
 static struct cost cost_of(const struct search *s, int body, const struct cost *least)
 {
-	struct cost x = path_cost(&s->around, s->by, body, least, s->allocator);
+	struct cost x = path_cost(&s->path, &s->by[body], least, s->allocator);
 
 	if (x.flops < 0)
 		error_memory(s->e);
@@ -159,13 +160,14 @@ static void improve_body(struct search *s, int body)
 {
 	static void (*const listings[])(struct frames *f, const struct tree *now, const struct restatement *by, int body) = {
 		frames_turned, frames_split, frames_slid};
-	struct arena around;
+	struct arena own;
+	struct tree around;
 	struct frames f;
 	struct cost least = PATH_COST_UNKNOWN;
 
-	arena_init(&around, s->allocator);
+	arena_init(&own, s->allocator);
 	s->waits[body] = 0;
-	if (!tree_restate_around(&s->around, s->t, s->by, body, &around))
+	if (!tree_restate_around(&around, s->t, s->by, body, &own) || !path_make(&s->path, &around, s->by, body, &own))
 		error_memory(s->e);
 	for (size_t i = 0; i < sizeof listings / sizeof *listings && !s->e->code; i++) {
 		listings[i](&f, &s->now, s->by, body);
@@ -173,7 +175,7 @@ static void improve_body(struct search *s, int body)
 	}
 	if (!s->e->code)
 		improve_regroup(s, body, &least);
-	arena_free(&around);
+	arena_free(&own);
 }
 
 /* ---- the whole ---- */
