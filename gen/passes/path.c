@@ -48,18 +48,19 @@ int path_make(struct path *p, const struct tree *t, const struct restatement *by
 	int count = 0;
 
 	p->by = arena_alloc(a, (size_t)t->body_count, sizeof *p->by);
+	p->floats = 0;
 	if (!at || !bodies || !p->by)
 		return 0;
 	for (int i = 0; i < t->body_count; i++) {
 		if (!is_on(t, i, body))
 			continue;
 		at[i] = count;
+		p->floats |= !count && t->bodies[i].parent >= 0;
 		bodies[count] = t->bodies[i];
 		bodies[count].parent = count ? at[t->bodies[i].parent] : -1;
 		p->by[count++] = by[i];
 	}
 	p->body = at[body];
-	p->floats = bodies[0].parent != t->bodies[0].parent;
 	p->tree = *t;
 	p->tree.bodies = bodies;
 	p->tree.body_count = count;
