@@ -1,9 +1,10 @@
 /* Torques by base parameters in frames of their own: against the independent reference, within the running bound, and with no
    more operations than the URDF's constants take; of the robots from outside every fourth where not all is asked for. It would
    catch a part of an inertia that is regrouped though it is felt, a frame whose turn, slide or links are not taken along, and a
-   frame so far away that it costs accuracy. */
+   frame so far away that it costs accuracy; and a long path that is counted as if it began at the ground. */
 #define _POSIX_C_SOURCE 200809L
 #include "passes/analysis.h"
+#include "passes/path.h"
 #include "passes/search.h"
 #include "tally.h"
 #include "support/exhaustive.h"
@@ -167,6 +168,72 @@ START_TEST(test_nearly_parallel)
 }
 END_TEST
 
+/* Links that are alike, turned and shifted in every direction. */
+static char *alike_links(int count)
+{
+	size_t size;
+	char *urdf;
+	FILE *f = open_memstream(&urdf, &size);
+
+	fprintf(f, "<robot name='alike'><link name='l0'/>");
+	for (int i = 1; i <= count; i++) {
+		fprintf(f, "<link name='l%d'><inertial><origin xyz='0.05 0.01 0.02'/><mass value='0.3'/><inertia ixx='0.001' iyy='0.002' "
+			   "izz='0.0015' ixy='0.0001' ixz='0.0002' iyz='-0.0001'/></inertial></link>", i);
+		fprintf(f, "<joint name='j%d' type='continuous'><parent link='l%d'/><child link='l%d'/>"
+			   "<origin xyz='0.1 0.02 0.03' rpy='0.3 0.4 0.5'/><axis xyz='0 0 1'/></joint>", i, i - 1, i);
+	}
+	fprintf(f, "</robot>");
+	fclose(f);
+	return urdf;
+}
+
+/* Of the body's path, as it is. */
+static long path_flops(struct model *m, int body)
+{
+	struct restatement by[16];
+	struct tree around;
+	struct path p;
+
+	for (int k = 0; k < 16; k++)
+		by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE};
+	ck_assert(tree_restate_around(&around, &m->tree, by, body, &m->arena) && path_make(&p, &around, by, body, &m->arena));
+	return path_cost(&p, &by[body], &PATH_COST_UNKNOWN, NULL).flops;
+}
+
+/* Along a chain of links that are alike, paths that reach the ground grow with each link, and cost what a chain of as many
+   links does; those that do not, from the eighth link on, all cost the same, and more. */
+START_TEST(test_path)
+{
+	enum { LINKS = 12, REACHING = 7 };
+	struct rneagen_options o = rneagen_options_default();
+	char *urdf = alike_links(LINKS);
+	struct model m;
+	long before = 0, flops;
+
+	o.scene = "params urdf\n";
+	model_open(&m, urdf, strlen(urdf), &o, "alike");
+	for (int k = 0; k < REACHING; k++, before = flops) {
+		char *shorter = alike_links(k + 2);
+		struct model alone;
+		struct dag d;
+
+		model_open(&alone, shorter, strlen(shorter), &o, "shorter");
+		flops = path_flops(&m, k);
+		ck_assert_int_gt(flops, before);
+		torques_build(&d, &alone.tree, &alone.arena);
+		ck_assert_int_eq(flops, torques_flops(&d, &alone.arena));
+		model_close(&alone);
+		free(shorter);
+	}
+	flops = path_flops(&m, REACHING);
+	ck_assert_int_gt(flops, before);
+	for (int k = REACHING + 1; k < LINKS - 1; k++)
+		ck_assert_int_eq(path_flops(&m, k), flops);
+	model_close(&m);
+	free(urdf);
+}
+END_TEST
+
 /* Whatever joint: the tree restated by frames that nobody would choose has the same torques. */
 static void check_restated(uint64_t seed)
 {
@@ -256,6 +323,7 @@ int main(void)
 	tcase_add_test(c, test_random_trees);
 	tcase_add_test(c, test_nearly_parallel);
 	tcase_add_test(c, test_restated);
+	tcase_add_test(c, test_path);
 	tcase_add_test(c, test_unsaid);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
