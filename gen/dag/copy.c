@@ -1,4 +1,4 @@
-/* Nodes of one DAG in another. */
+/* Nodes of one DAG in another, and a whole DAG in another arena. */
 #include "dag/dag.h"
 #include <string.h>
 
@@ -43,4 +43,34 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 		dag_output(out, d->outputs[i].argument, d->outputs[i].row, map[d->outputs[i].value.i]);
 	for (size_t i = 0; i < out->section_count; i++)
 		out->sections[i].output = d->sections[i].output;
+}
+
+static void *copy_of(struct arena *a, const void *from, size_t count, size_t size)
+{
+	void *to = arena_take(a, count, size);
+
+	if (to && count)
+		memcpy(to, from, count * size);
+	return to;
+}
+
+void dag_take(struct dag *d, const struct dag *from)
+{
+	struct arena *a = d->arena;
+
+	*d = *from;
+	d->arena = a;
+	d->table = NULL;
+	d->limit = 0;
+	d->nodes = copy_of(a, from->nodes, from->count, sizeof *d->nodes);
+	d->outputs = copy_of(a, from->outputs, from->output_count, sizeof *d->outputs);
+	d->sections = copy_of(a, from->sections, from->section_count, sizeof *d->sections);
+	d->numbers = copy_of(a, from->numbers, from->number_count, sizeof *d->numbers);
+	d->lanes = copy_of(a, from->lanes, from->lane_count, sizeof *d->lanes);
+	d->lane_capacity = d->lane_count;
+	d->capacity = d->count;
+	d->output_capacity = d->output_count;
+	d->section_capacity = d->section_count;
+	d->number_capacity = d->number_count;
+	d->failed |= a->failed;
 }

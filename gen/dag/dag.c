@@ -228,36 +228,6 @@ void dag_free(struct dag *d)
 	*d = (struct dag){.failed = 1};
 }
 
-static void *copy_of(struct arena *a, const void *from, size_t count, size_t size)
-{
-	void *to = arena_take(a, count, size);
-
-	if (to && count)
-		memcpy(to, from, count * size);
-	return to;
-}
-
-void dag_take(struct dag *d, const struct dag *from)
-{
-	struct arena *a = d->arena;
-
-	*d = *from;
-	d->arena = a;
-	d->table = NULL;
-	d->limit = 0;
-	d->nodes = copy_of(a, from->nodes, from->count, sizeof *d->nodes);
-	d->outputs = copy_of(a, from->outputs, from->output_count, sizeof *d->outputs);
-	d->sections = copy_of(a, from->sections, from->section_count, sizeof *d->sections);
-	d->numbers = copy_of(a, from->numbers, from->number_count, sizeof *d->numbers);
-	d->lanes = copy_of(a, from->lanes, from->lane_count, sizeof *d->lanes);
-	d->lane_capacity = d->lane_count;
-	d->capacity = d->count;
-	d->output_capacity = d->output_count;
-	d->section_capacity = d->section_count;
-	d->number_capacity = d->number_count;
-	d->failed |= a->failed;
-}
-
 void dag_strike(struct dag *d, int argument)
 {
 	const uint32_t gone = (uint32_t)argument;
@@ -305,6 +275,14 @@ int dag_find_role(const struct dag *d, enum role role, int is_output)
 		if (d->arguments[i].role == role && d->arguments[i].is_output == is_output)
 			return i;
 	return -1;
+}
+
+int dag_has_wide(const struct dag *d)
+{
+	for (size_t i = 0; i < d->count; i++)
+		if (d->nodes[i].is_wide)
+			return 1;
+	return 0;
 }
 
 void dag_tag(struct dag *d, struct ref a, const char *quantity, int body, char component)

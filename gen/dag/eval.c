@@ -361,12 +361,6 @@ static int bound_by(const struct dag *d, const struct eval_model *m, const doubl
 	return done;
 }
 
-static void forget_bounds(const struct dag *d, double *const *bound)
-{
-	for (size_t i = 0; i < d->output_count; i++)
-		bound[d->outputs[i].argument][d->outputs[i].row] = 0;
-}
-
 /* As if all products of pairs were made one way. */
 static int bound_by_products(
 	const struct dag *d, const struct eval_model *m, enum pair_products by, const double *const *in, double *const *bound)
@@ -382,7 +376,8 @@ int eval_bound(const struct dag *d, const struct eval_model *m, const double *co
 {
 	const struct eval_model *pairs = m->wide ? m->wide : m;
 
-	forget_bounds(d, bound);
+	for (size_t i = 0; i < d->output_count; i++)
+		bound[d->outputs[i].argument][d->outputs[i].row] = 0;
 	if (pairs->terms > 0 && pairs->products == PAIRS_EITHER)
 		return bound_by_products(d, m, PAIRS_FUSED, in, bound) && bound_by_products(d, m, PAIRS_BY_HALVES, in, bound);
 	return bound_by(d, m, in, bound);

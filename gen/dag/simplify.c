@@ -178,14 +178,6 @@ struct ref dag_narrow(struct dag *d, struct ref a)
 	return at(d, a).op == OP_WIDEN ? at(d, a).arg[0] : dag_node(d, OP_NARROW, a, NONE, NONE, 0);
 }
 
-int dag_has_wide(const struct dag *d)
-{
-	for (size_t i = 0; i < d->count; i++)
-		if (d->nodes[i].is_wide)
-			return 1;
-	return 0;
-}
-
 struct ref dag_neg(struct dag *d, struct ref a)
 {
 	struct ref swapped;
