@@ -53,6 +53,12 @@ static inline int emit_is_apart(const struct emission *e)
 	return parts_are_apart(e->parts, e->part_count);
 }
 
+/* Is the main function in parts for matrices, in layout soa? In aos outputs leave through the windows of the whole. */
+static inline int emit_has_columns(const struct emission *e)
+{
+	return e->part_count && !emit_is_apart(e) && e->options->layout == RNEAGEN_SOA;
+}
+
 /* How many of the parts, the first ones, are hands: of kernels of their own, which run before. */
 static inline int emit_hands(const struct emission *e)
 {
@@ -372,6 +378,9 @@ int emit_window_bytes(const struct emission *e);
 /* Are its inputs asked for in advance? Has it more values at once than registers, so that it spills to shared memory? Does a sample's first
    run stand unless an angle turns out to be large? Not where that run fills the registers. */
 int emit_is_prefetched(const struct emission *e);
+
+/* How many lines before it is read for the first time does a body ask for an input? 0: it does not. */
+int emit_lines_ahead(const struct emission *e, const struct pass *p);
 int emit_is_full(const struct emission *e);
 int emit_is_optimistic(const struct emission *e);
 
@@ -436,6 +445,10 @@ void emit_rounds(const struct emission *e, const struct pass *p, const char *loo
 /* The test of a sample's angles, in accurate mode, with those functions; the same of a part's angles alone. */
 const char *emit_is_small(const struct emission *e);
 void emit_part_small(const struct emission *e, const struct part *part, struct text *out);
+
+/* Does each part for matrices ask of the rows that it reads alone? The function that does. */
+int emit_asks_by_parts(const struct emission *e);
+void emit_parts_small(const struct emission *e, struct text *out);
 
 /* The functions that fill the tables of sines; the macro that tells the runtime what stack they take. */
 const char *emit_sines(const struct emission *e);

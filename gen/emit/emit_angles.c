@@ -3,7 +3,6 @@
 #include "emit/emit.h"
 #include "base/template.h"
 #include "emit/unparse.h"
-#include <math.h>
 
 int emit_has_known(const struct emission *e)
 {
@@ -206,92 +205,6 @@ const char *emit_sines(const struct emission *e)
 	return text_string(&t);
 }
 
-/* ---- are they small? ---- */
-
-/* The largest |q| for which no angle leaves the domain of the bounded functions: a follower turns by a multiple of q. */
-static const char *small_limit(const struct emission *e)
-{
-	real most = 1;
-	struct text t;
-
-	for (int k = 0; k < e->tree->body_count; k++)
-		if (fabsl(e->tree->bodies[k].multiplier.x) > most)
-			most = fabsl(e->tree->bodies[k].multiplier.x);
-	text_init(&t, e->arena);
-	/* less the product's rounding */
-	emit_number(e, e->memory, (real)e->arithmetic->domain * (most > 1 ? 0.999L / most : 1), &t);
-	return text_string(&t);
-}
-
-/* Does a function ask whether a sample's angles are small, before it computes? */
-static int tests_angles(const struct emission *e)
-{
-	return emit_has_batches(e) || !e->target->has_batches;
-}
-
-/* Does a kernel test all angles before it computes? Not one that finds out afterwards, and not one in parts with tests of their own. */
-static int kernels_ask(const struct emission *e)
-{
-	if (e->relay)
-		return 1;
-	for (int i = 0; i < e->pass_count; i++)
-		if (emit_has_angles(e, &e->passes[i]) && (i || !(emit_is_optimistic(e) || emit_is_apart(e) || e->passes[i].segments.count)))
-			return 1;
-	return 0;
-}
-
-/* In each stretch. */
-static const char *small_loops(const struct emission *e, const struct stretch rows[STRETCHES])
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	for (int k = 0; k < STRETCHES; k++)
-		if (rows[k].rows)
-			text_printf(&t, "\tfor (size_t i = %d; i < %d; i++)\n\t\tsmall &= fabs%s(q[%s*stride]) <= %s;\n", rows[k].first,
-				rows[k].first + rows[k].rows, e->memory->suffix, k ? "(i - gap)" : "i", small_limit(e));
-	return text_string(&t);
-}
-
-/* The test of some rows of q, which may be in two stretches. */
-static void put_small(const struct emission *e, const char *what, const char *name, const struct stretch rows[STRETCHES],
-	struct text *out)
-{
-	const struct slot slots[] = {{"WHAT", what}, {"NAME", name}, {"T", e->memory->type}, {"F", e->memory->suffix},
-		{"LOOPS", small_loops(e, rows)}, {"GAP", rows[1].rows ? ", const size_t gap" : ""},
-		{"BITS", emit_main(e)->single || emit_main(e)->lanes_in_batches ? "" : "; the results have the same bits either way"}};
-
-	template_expand(out, template_is_small_in, slots, sizeof slots / sizeof *slots);
-}
-
-const char *emit_is_small(const struct emission *e)
-{
-	int host_only = e->target->kernel && !kernels_ask(e);
-	struct text t;
-
-	text_init(&t, e->arena);
-	if (!emit_has_known(e))
-		return "";
-	if (!tests_angles(e))
-		return emit_sines(e);
-	if (host_only)
-		text_printf(&t, "#if !defined %s\n", e->target->kernel->compiler);
-	put_small(e, "a sample", e->options->name, (const struct stretch[STRETCHES]){{0, e->tree->nq}}, &t);
-	text_put(&t, host_only ? "#endif\n" : "");
-	text_put(&t, emit_sines(e));
-	return text_string(&t);
-}
-
-void emit_part_small(const struct emission *e, const struct part *part, struct text *out)
-{
-	struct text name;
-
-	text_init(&name, e->arena);
-	text_printf(&name, "%s_%s", e->options->name, part->pass.algorithm->name);
-	if (emit_has_known(e) && emit_has_angles(e, &part->pass))
-		put_small(e, "a part", text_string(&name), part->pass.stretches->own[0], out);
-}
-
 /* ---- calls ---- */
 
 static const char *body_call(const struct emission *e, const struct pass *p, const char *indent, const char *arguments,
@@ -334,6 +247,7 @@ const char *emit_call(const struct emission *e, const struct pass *p, const stru
 {
 	struct text asked;
 	int is_part = c->part != NULL, has_gap = is_part && c->part->pass.stretches->own[0][1].rows > 0;
+	int is_own = is_part || (p == emit_main(e) && emit_asks_by_parts(e));
 
 	if (!emit_has_known(e) || !emit_has_angles(e, p))
 		return body_call(e, p, c->indent, c->arguments, stride_text(e, p, c), emit_handed_on(e, emit_unknown_names(e)));
@@ -343,7 +257,7 @@ const char *emit_call(const struct emission *e, const struct pass *p, const stru
 		return call_expanded(e, p, e->target->kernel->again, "", c);
 	text_init(&asked, e->arena);
 	text_printf(&asked, e->target->kernel ? "!%s%s%s_is_small(%s, %s%s%s)" : "RNEA_KNOWN(%s%s%s_is_small(%s, %s%s%s))",
-		e->options->name, is_part ? "_" : "", is_part ? p->algorithm->name : "", c->q, c->stride, has_gap ? ", " : "",
+		e->options->name, is_own ? "_" : "", is_own ? p->algorithm->name : "", c->q, c->stride, has_gap ? ", " : "",
 		has_gap ? emit_gap(e, p, c->is_staged) : "");
 	return call_expanded(e, p, template_call_known_in, text_string(&asked), c);
 }

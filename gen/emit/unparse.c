@@ -234,12 +234,6 @@ static void put_fetch(const struct unparser *u, const struct line *l, struct tex
 	text_put(out, u->is_over_columns ? ")" : "");
 }
 
-static void put_keep(const struct unparser *u, const struct line *l, struct text *out)
-{
-	put_slot(u, l, out);
-	text_printf(out, " = %s", u->plan->names[l->value.i]);
-}
-
 static void put_statement(const struct unparser *u, const struct line *l, struct text *out)
 {
 	switch (l->kind) {
@@ -253,7 +247,8 @@ static void put_statement(const struct unparser *u, const struct line *l, struct
 		put_fetch(unparser_of(u, l->value), l, out);
 		break;
 	case LINE_KEEP:
-		put_keep(u, l, out);
+		put_slot(u, l, out);
+		text_printf(out, " = %s", u->plan->names[l->value.i]);
 		break;
 	case LINE_JOIN:
 		text_put(out, EMIT_JOIN "()");
@@ -336,6 +331,7 @@ void unparse_lines(struct writer *w, const struct plan *p, struct text *out)
 {
 	for (size_t i = 0; i < p->line_count; i++) {
 		emit_each_before(&w->own, p, i, out);
+		unparse_asks(&w->own, p, i, out);
 		put_line(&w->own, &p->lines[i], out);
 	}
 	emit_each_before(&w->own, p, p->line_count, out);
@@ -388,6 +384,7 @@ void unparse(const struct emission *e, const struct pass *pass, const struct num
 	unparse_within(&w, &pass->plan);
 	w.own.table = table;
 	w.own.zeros = unless ? ZEROS_LEFT : ZEROS_AMONG;
+	w.own.ahead = (size_t)emit_lines_ahead(e, pass);
 	unparse_lines(&w, &pass->plan, out);
 	if (pass->windows.slots && !numbers->is_beside)
 		emit_put_flush(e, pass, pass->windows.flush_count - 1, out);

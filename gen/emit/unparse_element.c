@@ -50,3 +50,18 @@ void unparse_element_each(const struct unparser *u, int argument, int row, struc
 	snprintf(array, sizeof array, "%.70s" EMIT_EACH, u->plan->dag->arguments[argument].name);
 	put_row(u, array, argument, row, out);
 }
+
+void unparse_asks(const struct unparser *u, const struct plan *p, size_t line, struct text *out)
+{
+	size_t end = u->ahead && u->zeros != ZEROS_ALONE ? line + u->ahead + 1 : 0;
+
+	for (size_t i = line ? line + u->ahead : 0; i < end && i < p->line_count; i++) {
+		const struct node *n = &p->dag->nodes[p->lines[i].value.i];
+
+		if (p->lines[i].kind != LINE_INPUT || p->dag->arguments[n->arg[0].i].per_batch)
+			continue;
+		text_put(out, "\tRNEA_ASK(");
+		unparse_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
+		text_put(out, ");\n");
+	}
+}

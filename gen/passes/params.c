@@ -9,6 +9,9 @@
    to follow. */
 static const double WORTH_IT = 0.925;
 
+/* The same of gradients of torques in doubles, whose texts are longer than the instruction cache: atlas saves 7.4 %. */
+static const double WORTH_IT_LONG = 0.93;
+
 /* Operations of what is asked for, of a tree; -1 and an error. */
 static long cost(const struct analysis *a, const struct tree *t)
 {
@@ -26,9 +29,16 @@ static long cost(const struct analysis *a, const struct tree *t)
 	return flops;
 }
 
+static double worth_of(const struct request *k, const struct rneagen_options *o)
+{
+	int has_gradients = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD);
+
+	return has_gradients && o->precision == RNEAGEN_F64 ? WORTH_IT_LONG : WORTH_IT;
+}
+
 /* What is read of a joint's wrench, or is an input of a body's inertia, is the body's own; what is dropped at the ground has a
-   mass, and a potential. */
-static enum rneagen_code find_kept(const struct analysis *a, char *keeps)
+   mass, and a potential. And what base parameters must save. */
+static enum rneagen_code look_at_request(const struct analysis *a, char *keeps, double *worth)
 {
 	struct arena spare;
 	struct analysis x;
@@ -37,6 +47,7 @@ static enum rneagen_code find_kept(const struct analysis *a, char *keeps)
 	arena_init(&spare, &a->arena->allocator);
 	analysis_copy(&x, a, &spare, a->error);
 	if (!pass_request_resolve(&x)) {
+		*worth = worth_of(k, &a->options);
 		for (int i = 0; i < k->freed_count; i++)
 			if (k->freed[i].kind != FREED_GRAVITY && k->freed[i].kind != FREED_OFFSET)
 				keeps[k->freed[i].body] = 1;
@@ -84,6 +95,7 @@ enum rneagen_code pass_params_choose(struct analysis *a)
 	size_t bodies = (size_t)a->tree.body_count;
 	struct restatement *restated;
 	struct tree base;
+	double worth = WORTH_IT;
 	char *keeps;
 
 	if (is_by_urdf(a, said))
@@ -92,9 +104,9 @@ enum rneagen_code pass_params_choose(struct analysis *a)
 	keeps = arena_alloc(a->arena, bodies, 1);
 	if (!restated || !keeps)
 		return error_memory(a->error);
-	if (find_kept(a, keeps) || search_params(restated, &a->stated, keeps, &a->arena->allocator, a->error))
+	if (look_at_request(a, keeps, &worth) || search_params(restated, &a->stated, keeps, &a->arena->allocator, a->error))
 		return a->error->code;
 	if (!tree_restate(&base, &a->stated, restated, a->arena))
 		return error_memory(a->error);
-	return choose(a, &base, !said ? WORTH_IT : !strcmp(said->value, "auto"));
+	return choose(a, &base, !said ? worth : !strcmp(said->value, "auto"));
 }

@@ -60,16 +60,18 @@ static size_t place(const struct launch *x, const struct rnea_argument *a, size_
 	return x->info->layout == RNEA_AOS ? k * a->rows + r : r * x->count + k;
 }
 
-/* The last row of q that is an angle: a finger that slides has no room for large numbers. */
-static size_t last_angle(const struct launch *x, const struct rnea_argument *q)
+/* A row of q that is an angle, another one in turn: a finger that slides has no room for large numbers. */
+static size_t angle_in_turn(const struct launch *x, size_t turn)
 {
-	for (size_t i = x->info->joint_count; i-- > 0;) {
-		const struct rnea_joint *j = &x->info->joints[i];
+	size_t count = x->info->joint_count;
+
+	for (size_t i = 0; i < count; i++) {
+		const struct rnea_joint *j = &x->info->joints[(turn + i) % count];
 
 		if (strcmp(j->type, "prismatic") && strcmp(j->type, "floating"))
 			return j->iq + j->nq - 1;
 	}
-	return q->rows - 1;
+	return 0;
 }
 
 static void set_q(const struct launch *x, const struct rnea_argument *a, void *array, int floating)
@@ -78,8 +80,8 @@ static void set_q(const struct launch *x, const struct rnea_argument *a, void *a
 		for (size_t r = 3; r < 7; r++)
 			set(a, array, place(x, a, r, k), r == 3 ? 0.6 : r == 6 ? 0.8 : 0);
 	/* beyond what the sine of small angles is right for, as it happens to be far beyond what it is said to be for */
-	for (size_t k = 5; k < x->count && !strcmp(x->info->trig, "accurate"); k += 64)
-		set(a, array, place(x, a, last_angle(x, a), k), (a->scalar == RNEA_F64 ? 1e18 : 1e8) * (1 + (double)(k % 1000) / 1000));
+	for (size_t k = 5; k < x->count && !strcmp(x->info->trig, "accurate"); k += 8)
+		set(a, array, place(x, a, angle_in_turn(x, k / 8), k), (a->scalar == RNEA_F64 ? 1e18 : 1e8) * (1 + (double)(k % 1000) / 1000));
 }
 
 struct launch launched_run(struct rnea_robot *robot, size_t count, unsigned seed, int floating)

@@ -15,8 +15,8 @@ void launched_generate(struct target *t, const char *name, const char *scene, in
 /* The test fails with a message where it cannot be opened. block: 0, the text's. */
 struct rnea_robot *launched_open(const struct target *t, enum rnea_backend backend, unsigned block);
 
-/* A batch of arrays: inputs by the seed, with a quaternion of norm one if there is a base, and one angle of each
-   64th sample large where the text takes any; outputs NaN. Launched, and freed with the robot. */
+/* A batch of arrays: inputs by the seed, with a quaternion of norm one if there is a base, and an angle of each
+   eighth sample large, one after the other, where the text takes any; outputs NaN. Launched, and freed with the robot. */
 struct launch {
 	struct rnea_robot *robot;
 	const struct rnea_info *info;

@@ -273,6 +273,8 @@ static void put_starts(const struct emission *e, struct text *out)
 
 static void put_pass(const struct emission *e, const struct pass *p, struct text *out)
 {
+	if (p == emit_main(e))
+		emit_parts_small(e, out);
 	if (p->segments.count)
 		emit_segments_kernel(e, p, out);
 	else
@@ -321,6 +323,8 @@ const char *emit_store(const struct emission *e)
 	text_init(&t, e->arena);
 	if (emit_is_streamed(e))
 		template_expand(&t, e->target->kernel->store, slots, sizeof slots / sizeof *slots);
+	if (e->target->kernel && emit_lines_ahead(e, emit_part(e, 0)))
+		text_put(&t, e->target->kernel->ask);
 	if (e->target->kernel && emit_windows(e)->slots)
 		put_windows(e, &t);
 	return text_string(&t);

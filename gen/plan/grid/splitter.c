@@ -4,7 +4,7 @@
 /* What one part may hold and be without a loss (sm_90): values alive at once, of which registers hold some 250 floats
    or 125 doubles and shared memory, in blocks of 64, 192 or 96 more, less what the compiler's order of things takes;
    and operations, each about an instruction of 16 bytes, for the instruction cache. */
-enum { ALIVE_SINGLE = 280, ALIVE_DOUBLE = 170, OPERATIONS = 7000 };
+enum { ALIVE_SINGLE = 280, ALIVE_DOUBLE = 170, OPERATIONS = 7000, OPERATIONS_DOUBLE = 6500 };
 
 /* Of a text longer than LONG parts are measured less exactly. */
 enum { LONG = 250000 };
@@ -87,12 +87,16 @@ static double forward_loss_of(const struct splitter *s, const struct size *z)
    measured, and in brackets what this says, summed, beside the number of parts that it takes: atlas at 131072 samples in
    f32, 3 to 6 and 8 parts 300 299 325 357 411 (348 299 336 372 442), in f64, 4 to 6 and 8 parts 803 802 798 915 (891 802
    886 1159); floating hyq at 262144 in f32, 1 to 3 parts 350 271 307 (460 271 299). Whole, atlas's warps wait for
-   instructions in three quarters of their cycles. */
+   instructions in three quarters of their cycles. Of parts alone in f64, with constants in a table: up to 8200 instructions, 128 KiB, a
+   million samples take 85 to 120 ps for each thousand of them, of 8640 161, of 9000 195, of 9200 209 and 229, of 9750 239; an operation
+   is 1.15 to 1.3 instructions. In f32 it is one, and parts of up to 7900 take 45 to 75. */
 static double loss_of(const struct splitter *s, const struct size *z)
 {
 	if (s->x->request->is_forward)
 		return forward_loss_of(s, z);
-	double longer = (z->operations - OPERATIONS) / 2000.0, more = (double)z->alive / most_alive(s) - 1;
+	int is_single = s->x->options->precision == RNEAGEN_F32;
+	double longer = is_single ? (z->operations - OPERATIONS) / 2000.0 : (z->operations - OPERATIONS_DOUBLE) / 900.0;
+	double more = (double)z->alive / most_alive(s) - 1;
 
 	/* nothing was measured beyond 0.6 */
 	return (1 + 1.5 * within(longer, 1)) * (1 + 0.8 * within(more, 0.6));

@@ -1,0 +1,135 @@
+/* Who asks whether angles are small enough for sines without a branch, and of which rows. */
+#include "emit/emit.h"
+#include "base/template.h"
+#include <math.h>
+
+/* The largest |q| for which no angle leaves the domain of the bounded functions: a follower turns by a multiple of q. */
+static const char *small_limit(const struct emission *e)
+{
+	real most = 1;
+	struct text t;
+
+	for (int k = 0; k < e->tree->body_count; k++)
+		if (fabsl(e->tree->bodies[k].multiplier.x) > most)
+			most = fabsl(e->tree->bodies[k].multiplier.x);
+	text_init(&t, e->arena);
+	/* less the product's rounding */
+	emit_number(e, e->memory, (real)e->arithmetic->domain * (most > 1 ? 0.999L / most : 1), &t);
+	return text_string(&t);
+}
+
+/* Does a function ask whether a sample's angles are small, before it computes? */
+static int tests_angles(const struct emission *e)
+{
+	return emit_has_batches(e) || !e->target->has_batches;
+}
+
+int emit_asks_by_parts(const struct emission *e)
+{
+	return emit_has_columns(e) && !emit_is_optimistic(e);
+}
+
+/* Does a kernel test all angles before it computes? Not one that finds out afterwards, and not one in parts with tests of their own. */
+static int kernels_ask(const struct emission *e)
+{
+	if (e->relay)
+		return 1;
+	for (int i = 0; i < e->pass_count; i++)
+		if (emit_has_angles(e, &e->passes[i]) && (i || !(emit_is_optimistic(e) || emit_is_apart(e) || emit_asks_by_parts(e) || e->passes[i].segments.count)))
+			return 1;
+	return 0;
+}
+
+static void put_small_loop(const struct emission *e, struct stretch rows, const char *index, struct text *out)
+{
+	text_printf(out, "\tfor (size_t i = %d; i < %d; i++)\n\t\tsmall &= fabs%s(q[%s*stride]) <= %s;\n", rows.first,
+		rows.first + rows.rows, e->memory->suffix, index, small_limit(e));
+}
+
+/* In each stretch. */
+static const char *small_loops(const struct emission *e, const struct stretch rows[STRETCHES])
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (int k = 0; k < STRETCHES; k++)
+		if (rows[k].rows)
+			put_small_loop(e, rows[k], k ? "(i - gap)" : "i", &t);
+	return text_string(&t);
+}
+
+/* The test of some rows of q, which may be in two stretches. */
+static void put_small(const struct emission *e, const char *what, const char *name, const struct stretch rows[STRETCHES],
+	struct text *out)
+{
+	const struct slot slots[] = {{"WHAT", what}, {"NAME", name}, {"T", e->memory->type}, {"F", e->memory->suffix},
+		{"LOOPS", small_loops(e, rows)}, {"GAP", rows[1].rows ? ", const size_t gap" : ""},
+		{"BITS", emit_main(e)->single || emit_main(e)->lanes_in_batches ? "" : "; the results have the same bits either way"}};
+
+	template_expand(out, template_is_small_in, slots, sizeof slots / sizeof *slots);
+}
+
+const char *emit_is_small(const struct emission *e)
+{
+	int host_only = e->target->kernel && !kernels_ask(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (!emit_has_known(e))
+		return "";
+	if (!tests_angles(e))
+		return emit_sines(e);
+	if (host_only)
+		text_printf(&t, "#if !defined %s\n", e->target->kernel->compiler);
+	put_small(e, "a sample", e->options->name, (const struct stretch[STRETCHES]){{0, e->tree->nq}}, &t);
+	text_put(&t, host_only ? "#endif\n" : "");
+	text_put(&t, emit_sines(e));
+	return text_string(&t);
+}
+
+void emit_part_small(const struct emission *e, const struct part *part, struct text *out)
+{
+	struct text name;
+
+	text_init(&name, e->arena);
+	text_printf(&name, "%s_%s", e->options->name, part->pass.algorithm->name);
+	if (emit_has_known(e) && emit_has_angles(e, &part->pass))
+		put_small(e, "a part", text_string(&name), part->pass.stretches->own[0], out);
+}
+
+/* In each run of the rows that a part reads. */
+static void put_small_case(const struct emission *e, int part, struct text *out)
+{
+	const struct dag *d = &e->parts[part].pass.dag;
+	char *is_read = arena_alloc(e->arena, (size_t)e->tree->nq + 1, 1);
+	struct text loops;
+
+	text_init(&loops, e->arena);
+	for (size_t i = 0; is_read && i < d->count; i++)
+		if (d->nodes[i].op == OP_INPUT && !d->nodes[i].arg[0].i)
+			is_read[d->nodes[i].arg[1].i] = 1;
+	for (int row = 0, end; is_read && row < e->tree->nq; row = end + 1) {
+		for (end = row; is_read[end]; end++)
+			;
+		if (end > row)
+			put_small_loop(e, (struct stretch){row, end - row}, "i", &loops);
+	}
+	text_printf(out, "\tcase %d:\n", part);
+	text_put_indented(out, text_string(&loops));
+	text_put(out, "\t\tbreak;\n");
+}
+
+void emit_parts_small(const struct emission *e, struct text *out)
+{
+	struct text cases;
+
+	if (!emit_has_known(e) || !emit_has_angles(e, emit_main(e)) || !emit_asks_by_parts(e))
+		return;
+	text_init(&cases, e->arena);
+	for (int i = 0; i < e->part_count; i++)
+		put_small_case(e, i, &cases);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type},
+		{"CASES", text_string(&cases)}};
+
+	template_expand(out, template_parts_small_in, slots, sizeof slots / sizeof *slots);
+}
