@@ -107,11 +107,11 @@ int emit_is_prefetched(const struct emission *e)
 
 /* Parts of gradients in f64 hold more than registers have room for, so that inputs are read late. H100, ps of a million samples, asked for
    100, 200, 400 and 800 lines of the text before, and not: atlas, 5 parts, 3002, 2973, 3315, 3256 and 3352, g1_29dof, 6 parts, 3518, 3463,
-   3415, 3766 and 3459, floating hyq 1705, 1698, 1702, 1716 and 1742; panda, 200, 554 and 559. Of 16384, us, 200 and not: 121.1 and 121.1,
-   109.4 and 99.8, 28.7 and 28.7, 9.5 and 9.2. Not for a vjp: atlas 817 and 832, but 25.0 us and 24.1; nor in f32, tau with vjp of atlas 420 and 390. */
+   3415, 3766 and 3459. Of 16384, us, 200 lines and not: 121.1 and 121.1, 109.4 and 99.8. Not where there are two parts: floating hyq 1698
+   and 1742, but 37.0 us and 32.7; nor for a vjp: atlas 817 and 832, but 25.0 us and 24.1; nor in f32: tau with vjp of atlas 420 and 390. */
 int emit_lines_ahead(const struct emission *e, const struct pass *p)
 {
-	int is_long = e->arithmetic->bytes == 8 && emit_has_columns(e);
+	int is_long = e->arithmetic->bytes == 8 && emit_has_columns(e) && e->part_count > 2;
 
 	return is_long && p != emit_main(e) && !emit_is_relays(e, p) ? LINES_AHEAD : 0;
 }
