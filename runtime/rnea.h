@@ -212,6 +212,10 @@ struct rnea_function {
 	   own rnea_launch and rnea_run launch NAME_FUNCTION_hands_kernel, then NAME_FUNCTION_hands1_kernel and so on, in the same blocks
 	   with the same shared memory, and so many along y of each; 0: there is no such kernel, and none after it */
 	unsigned hands[RNEA_HANDS_LIMIT];
+	/* Of matrices in parts: from so many samples on rnea_launch and rnea_run launch, instead of the kernel with all parts along y,
+	   NAME_FUNCTION_part0_kernel, NAME_FUNCTION_part1_kernel and so on, one for each of `parts`, with the same parameters; 0: never,
+	   there are no such kernels, or they did not compile */
+	size_t part_kernels;
 };
 
 /* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. What stands here of

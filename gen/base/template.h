@@ -21,6 +21,7 @@ extern const char template_kernel_windowed_in[], template_windows_in[], template
 	template_bounded_finite_in[];
 extern const char template_kernel_soa_staged_in[], template_stage_in[], template_slices_in[],
 	template_stage_launch_in[], template_store_in[], template_prefetch_in[], template_ask_in[], template_parts_small_in[];
+extern const char template_alone_in[], template_launch_alone_in[];
 extern const char template_zeros_in[], template_zeros_table_in[], template_zeros_loop_in[];
 extern const char template_function_c_in[], template_function_h_in[], template_header_h_in[], template_further_h_in[],
 	template_body_in[], template_is_small_in[];

@@ -59,6 +59,15 @@ static inline int emit_has_columns(const struct emission *e)
 	return e->part_count && !emit_is_apart(e) && e->options->layout == RNEAGEN_SOA;
 }
 
+/* Which of these parts a pass is; -1: none. */
+static inline int emit_column_part(const struct emission *e, const struct pass *p)
+{
+	for (int i = 0; i < e->part_count && emit_has_columns(e); i++)
+		if (p == &e->parts[i].pass)
+			return i;
+	return -1;
+}
+
 /* How many of the parts, the first ones, are hands: of kernels of their own, which run before. */
 static inline int emit_hands(const struct emission *e)
 {
@@ -320,6 +329,19 @@ int emit_relay_bytes(const struct emission *e);
 #define EMIT_UNLESS_LIMBS "#if !defined RNEA_ONLY_LIMBS\n"
 const char *emit_unless_limbs(const struct emission *e, const char *what);
 
+/* Kernels of the parts of matrices, each alone (emit_alone.c): from how many samples on a launch takes them (0: there are none),
+   themselves, with a guard of all that follows, and their launch. */
+int emit_alone_least(const struct emission *e);
+void emit_alone(const struct emission *e, struct text *out);
+const char *emit_launch_alone(const struct emission *e);
+
+/* The kernel NAME_PASS_kernel. Where it may spill to shared memory, the line that says so. Kernels whose outputs leave through
+   windows, and these. */
+void emit_kernel(const struct emission *e, const struct pass *p, struct text *out);
+const char *emit_spill(const struct emission *e);
+void emit_windowed(const struct emission *e, const struct pass *p, struct text *out);
+void emit_put_windows(const struct emission *e, struct text *out);
+
 /* CUDA: all kernels, and the functions by which they stage their slices. */
 void emit_kernels(const struct emission *e, struct text *out);
 const char *emit_stage(const struct emission *e);
@@ -338,12 +360,12 @@ void emit_put_flush(const struct emission *e, const struct pass *p, int flush, s
 
 /* Does a kernel of this pass store the elements of matrices that are always zero in a loop, beside the statements? Is this the
    store of one? Where the statements of a pass have them apart, under which condition; NULL: among the others. What the loops of
-   the first pass call, and the loops: those of threads that have the number `first` of `warps`. */
+   the first pass call, and the loops: every `step`th run, from the number `first` on. */
 int emit_has_zeros(const struct emission *e, const struct pass *p);
 int emit_is_zero_store(const struct plan *p, const struct line *l);
 const char *emit_zeros_unless(const struct emission *e, const struct pass *p, int is_beside);
 void emit_zeros(const struct emission *e, struct text *out);
-const char *emit_zero_loops(const struct emission *e, const char *first, const char *warps);
+const char *emit_zero_loops(const struct emission *e, const char *first, const char *step);
 
 /* `{10, 7}, {18, 2}`: the rows of an array that these outputs leave always zero, from a row on so many. Returns how many such runs
    there are. */

@@ -321,7 +321,7 @@ void emit_zeros(const struct emission *e, struct text *out)
 	template_expand(out, e->target->kernel->zeros, slots, sizeof slots / sizeof *slots);
 }
 
-const char *emit_zero_loops(const struct emission *e, const char *first, const char *warps)
+const char *emit_zero_loops(const struct emission *e, const char *first, const char *step)
 {
 	const struct dag *d = &emit_main(e)->dag;
 	struct text loops, runs, place;
@@ -335,7 +335,7 @@ const char *emit_zero_loops(const struct emission *e, const char *first, const c
 		emit_put_at_sample(e, a, &place);
 		const struct slot slots[] = {{"NAME", e->options->name}, {"ARRAY", a->name},
 			{"PLACE", text_string(&place)}, {"STRIDE", emit_stride(e)}, {"COUNT", emit_int(e, count)},
-			{"FIRST", first}, {"WARPS", warps}};
+			{"FIRST", first}, {"STEP", step}};
 
 		if (count)
 			template_expand(&loops, template_zeros_loop_in, slots, sizeof slots / sizeof *slots);

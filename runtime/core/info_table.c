@@ -6,7 +6,7 @@
 
 static const char *const keys[KEY_COUNT] = {"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv",
 	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs", "relay", "start_limbs", "start_parts",
-	"whole_limbs", "hands"};
+	"whole_limbs", "hands", "part_kernels"};
 
 static enum rnea_code read_joint(struct parser *p)
 {
@@ -134,6 +134,8 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 		return read_limbs(p, &p->f->limbs, 1);
 	case KEY_HANDS:
 		return read_hands(p);
+	case KEY_PART_KERNELS:
+		return words_number(&p->w, &p->f->part_kernels, 1, SIZE_MAX / 2);
 	case KEY_RELAY:
 		return read_relay(p);
 	case KEY_COUNT:
@@ -147,6 +149,7 @@ static int is_optional(const struct parser *p, enum key key)
 {
 	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS || key == KEY_RELAY ||
 	       key == KEY_START_LIMBS || key == KEY_START_PARTS || key == KEY_WHOLE_LIMBS || key == KEY_HANDS || key == KEY_KERNELS ||
+	       key == KEY_PART_KERNELS ||
 	       (key == KEY_PARTS && p->version != VERSION_PARTS);
 }
 
@@ -379,4 +382,11 @@ void rnea_info_without_limbs(struct rnea_info *info)
 	struct rnea_function *f = info->memory; /* which begins with them */
 
 	f->limbs = f->start_limbs = (struct rnea_limbs){0};
+}
+
+void rnea_info_without_part_kernels(struct rnea_info *info)
+{
+	struct rnea_function *f = info->memory; /* which begins with them */
+
+	f->part_kernels = 0;
 }

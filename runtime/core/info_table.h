@@ -34,6 +34,8 @@
 	hands N ...                               (a launch runs NAME_FUNCTION_hands_kernel before its kernel, with so many blocks along
 	                                          y, unless the kernel of small batches runs; where more numbers stand, before its kernel
 	                                          NAME_FUNCTION_hands1_kernel, NAME_FUNCTION_hands2_kernel, ... too)
+	part_kernels SAMPLES                      (from so many samples on a launch runs NAME_FUNCTION_part0_kernel,
+	                                          NAME_FUNCTION_part1_kernel, ..., one for each of `parts`, instead of its kernel)
 
    ROLE is a word of RNEA_ROLES; OF is the link, joint or constant that it speaks of, and goes to the end of the line. A
    role that is not known is none.
@@ -64,6 +66,9 @@ int rnea_info_lacks(struct rnea_info *info, size_t i);
 
 /* The kernel of small batches is not to be had: tell of none. */
 void rnea_info_without_limbs(struct rnea_info *info);
+
+/* Nor kernels of parts. */
+void rnea_info_without_part_kernels(struct rnea_info *info);
 
 /* The index of the function `name`, info->function_count where there is none. */
 size_t rnea_info_function(const struct rnea_info *info, const char *name);

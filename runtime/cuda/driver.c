@@ -1,6 +1,6 @@
 #include "cuda/driver.h"
-#include "cuda/compilation.h"
-#include "cuda/macros.h"
+#include "cuda/compile/compilation.h"
+#include "cuda/compile/macros.h"
 #include "core/info_table.h"
 #include <stdint.h>
 #include <stdio.h>
@@ -208,6 +208,7 @@ static enum rnea_code read_info(struct driver *c, const struct source *s, struct
 {
 	if (read_table(&c->device, c->module, s, info, e))
 		return e->code;
+	c->text_block = info->block;
 	if (c->block)
 		info->block = c->block; /* the table has the text's default */
 	c->block = info->block;
@@ -269,6 +270,8 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 		relay_solve(&c->relay, &c->device, parameters, 0, stream, e);
 	for (unsigned i = 0; i < c->relay.hand_kernels && !e->code; i++)
 		device_launch(&c->device, &c->relay.hands[i], 1, 1, c->block, parameters, stream, e);
+	if (c->alone.least && !e->code)
+		alone_launch(&c->alone, &c->device, parameters, 0, stream, e);
 	if (c->limbs.own.info.warps && !e->code)
 		limbs_launch(&c->limbs.own, &c->device, parameters, 0, stream, e);
 	if (c->limbs.start.info.warps && !e->code)
@@ -276,21 +279,31 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 	return device_finish(&c->device, stream, e);
 }
 
-/* The kernel of small batches is compiled meanwhile. */
+/* What is compiled meanwhile. */
+static void load_beside(struct driver *c, struct beside *limbs, struct beside *alone, struct rnea_info *info)
+{
+	limbs_load(&c->limbs, limbs, &c->device, info);
+	alone_load(&c->alone, alone, &c->device, info, alone->request.block ? alone->request.block : c->text_block);
+	c->cached = c->cached && (!c->limbs.module || limbs->cached) && (!c->alone.module || alone->cached);
+}
+
 static void open_text(struct driver *c, const struct image_request *r, struct rnea_info *info, struct rnea_error *e)
 {
 	struct image_request mine = *r;
-	struct limbs_build build;
+	struct beside limbs, alone;
+	int has_limbs, has_alone;
 
 	mine.arch = c->device.arch;
-	if (limbs_begin(&build, &mine))
-		mine.half = IMAGE_WITHOUT_LIMBS;
+	has_limbs = beside_begin(&limbs, &mine, IMAGE_LIMBS, 0); /* which have blocks of their own */
+	has_alone = beside_begin(&alone, &mine, IMAGE_ALONE, r->block == RNEA_BLOCK_OCCUPANCY ? 0 : r->block);
+	if (has_limbs || has_alone)
+		mine.share = IMAGE_MAIN;
 	if (!load(c, &mine, e) && !read_info(c, r->source, info, e) && !find_kernels(c, r->source, info, e)) {
-		limbs_load(&c->limbs, &build, &c->device, info);
-		c->cached = c->cached && (!c->limbs.module || build.cached);
+		load_beside(c, &limbs, &alone, info);
 		warm(c, e);
 	}
-	limbs_end(&build);
+	beside_end(&limbs);
+	beside_end(&alone);
 }
 
 enum rnea_code driver_open(
@@ -322,66 +335,11 @@ void driver_close(struct driver *c)
 	if (c->module && !device_enter(&c->device, &pushed, &ignored)) {
 		device_unload(&c->device, c->module);
 		device_unload(&c->device, c->limbs.module);
+		device_unload(&c->device, c->alone.module);
 		device_leave(&c->device, pushed);
 	}
 	device_close(&c->device);
+	alone_free(&c->alone);
 	free(c->kernels);
 	memset(c, 0, sizeof *c);
-}
-
-/* Samples of a block. In segments each thread takes several, where there are enough for all multiprocessors. */
-static size_t samples_of_block(const struct rnea_function *f, unsigned block, size_t count)
-{
-	size_t room = f->across_bytes ? OWN_SHARED / (block * f->across_bytes) : 1,
-		most = count / ((size_t)block * ENOUGH_BLOCKS);
-
-	room = room < f->most_samples ? room : f->most_samples;
-	most = most < room ? most : room;
-	return block * (most ? most : 1);
-}
-
-static enum rnea_code launch_own(const struct driver *c, size_t function, void **parameters, size_t count, void *stream,
-	struct rnea_error *e)
-{
-	const struct rnea_function *f = &c->info->functions[function];
-	unsigned blocks = device_blocks(count, samples_of_block(f, c->block, count));
-
-	if (function == 0 && count <= c->limbs.own.info.most)
-		return limbs_launch(&c->limbs.own, &c->device, parameters, count, stream, e);
-	if (function == 0 && relay_hands(&c->relay, &c->device, f, blocks, c->block, parameters, stream, e))
-		return e->code;
-	return device_launch(&c->device, &c->kernels[function], blocks, f->parts, c->block, parameters, stream, e);
-}
-
-/* A relay's first kernel. */
-static enum rnea_code launch_start(const struct driver *c, void **parameters, size_t count, void *stream, struct rnea_error *e)
-{
-	if (count <= c->limbs.start.info.most)
-		return limbs_launch(&c->limbs.start, &c->device, parameters, count, stream, e);
-	return device_launch(&c->device, &c->relay.start, device_blocks(count, c->block), c->info->functions->start_parts,
-		c->block, parameters, stream, e);
-}
-
-enum rnea_code driver_launch(const struct driver *c, size_t function, void *const *arrays, size_t count, void *stream,
-	struct rnea_error *e)
-{
-	const struct rnea_function *f = &c->info->functions[function];
-	size_t n = f->input_count + f->output_count;
-	void *parameters[RNEA_ARGUMENT_LIMIT + 1];
-	int pushed, has_relay = function == 0 && c->relay.warps;
-
-	/* the driver only reads through these, though it does not say so */
-	for (size_t i = 0; i < n; i++)
-		parameters[i] = (void *)(uintptr_t)&arrays[i];
-	parameters[n] = &count;
-	if (device_enter(&c->device, &pushed, e))
-		return e->code;
-	if (has_relay)
-		launch_start(c, parameters, count, stream, e);
-	if (!e->code)
-		launch_own(c, function, parameters, count, stream, e);
-	if (has_relay && !e->code)
-		relay_solve(&c->relay, &c->device, parameters, count, stream, e);
-	device_leave(&c->device, pushed);
-	return e->code;
 }

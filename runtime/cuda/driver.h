@@ -2,8 +2,7 @@
 #define RNEA_DRIVER_H
 /* The CUDA backend: a text compiled for a device, loaded, its kernels found, warmed and launched. */
 
-#include "cuda/device.h"
-#include "cuda/image.h"
+#include "cuda/alone.h"
 #include "cuda/limbs.h"
 #include "cuda/relay.h"
 
@@ -14,7 +13,9 @@ struct driver {
 	struct device_kernel *kernels; /* one for each of the info's functions */
 	struct limbs limbs;  /* of the first function */
 	struct relay relay;  /* likewise */
-	unsigned block;	     /* threads per block of every launch but those of limbs */
+	struct alone alone;  /* likewise */
+	unsigned block;	     /* threads per block of every launch but those of limbs and of parts alone */
+	unsigned text_block; /* the text's own */
 	unsigned min_blocks; /* launch bound of the first function's kernel; 0: none */
 	int cached;
 	char compiler[640]; /* "NVRTC 13.0 (libnvrtc.so.13)"; "" if it was cached */

@@ -7,9 +7,9 @@
 /* Time is taken of at least BENCH_REPLAYS runs of as many launches as last BENCH_RUN seconds, until BENCH_TOTAL seconds
    are full; on a busy machine until BENCH_ALIKE runs are within a tenth of the least, or BENCH_LIMIT seconds are full.
    Arrays of a large batch, BENCH_LARGE numbers or more whatever their type, take turns with others until they fill
-   BENCH_ARRAYS bytes, so that no cache holds them. */
+   BENCH_ARRAYS bytes, so that no cache holds them. Outputs of up to BENCH_BACK bytes come back from a GPU. */
 enum { BENCH_REPLAYS = 7, BENCH_REPLAYS_LIMIT = 199, BENCH_ALIKE = 4 };
-enum { BENCH_LARGE = 1 << 20, BENCH_ARRAYS = 256 << 20 };
+enum { BENCH_LARGE = 1 << 20, BENCH_ARRAYS = 256 << 20, BENCH_BACK = 512 << 20 };
 #define BENCH_RUN 1e-3
 #define BENCH_TOTAL 0.15
 #define BENCH_LIMIT 1.0
@@ -19,6 +19,7 @@ struct bench_time {
 	double least;  /* the least of them: what else the machine does only adds */
 	double spread; /* distance of the quartiles, over the median */
 	double floor;  /* the same for the floor: ns of one sample */
+	int has_outputs; /* the outputs in the program's memory are the robot's */
 };
 
 struct bench; /* one backend, where the arrays are */

@@ -108,6 +108,13 @@ void *bench_gpu_array(struct bench_gpu *g, const void *from, size_t size, struct
 	return NULL;
 }
 
+enum rnea_code bench_gpu_back(struct bench_gpu *g, void *to, const void *array, size_t size, struct rnea_error *e)
+{
+	int status = g->device.api.memcpy_dtoh(to, (unsigned long long)(uintptr_t)array, size);
+
+	return status ? device_failed(&g->device, status, "cuMemcpyDtoH", e) : RNEA_OK;
+}
+
 void bench_gpu_free(struct bench_gpu *g, void *array)
 {
 	device_free(&g->device, (unsigned long long)(uintptr_t)array);

@@ -14,6 +14,9 @@ int bench_gpu_driver(const struct bench_gpu *g);
 void *bench_gpu_array(struct bench_gpu *g, const void *from, size_t size, struct rnea_error *e);
 void bench_gpu_free(struct bench_gpu *g, void *array);
 
+/* Copy one back. Errors: DRIVER. */
+enum rnea_code bench_gpu_back(struct bench_gpu *g, void *to, const void *array, size_t size, struct rnea_error *e);
+
 /* A graph of `launches` launches over the sets in turn; `sets` has `set_count` arrays of pointers. NULL on failure. */
 void *bench_gpu_graph(struct bench_gpu *g, const struct rnea_robot *robot, void *const *const *sets, size_t set_count,
 	size_t count, size_t launches, struct rnea_error *e);

@@ -70,15 +70,15 @@ static int measure_variant(struct reporting *r, int variant)
 {
 	struct study *s = &r->study;
 	struct study_row *row = &r->rows[variant * r->options.batch_count];
+	struct study_row built = s->variants[variant];
 	struct rnea_robot *robot = NULL;
 	int status;
 
-	*row = s->variants[variant];
-	if (!study_bound(s, row))
-		study_build(s, row, &robot);
+	if (!study_bound(s, &built))
+		study_build(s, &built, &robot);
 	status = ranks_agree(r->command.ranks, tell(r));
 	for (int i = 0; i < r->options.batch_count && status < 0; i++) {
-		row[i] = row[0];
+		row[i] = built;
 		study_time(s, robot, &row[i], r->options.batches[i]);
 		status = ranks_agree(r->command.ranks, tell(r));
 	}

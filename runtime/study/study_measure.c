@@ -79,13 +79,13 @@ static int arrays_fill(struct arrays *a, const struct judge *j, const struct dag
 	return 1;
 }
 
-/* All outputs, [sample][row] one array after another. */
+/* All outputs of the judge's samples, [sample][row] one array after another. */
 static void arrays_gather(const struct arrays *a, const struct judge *j, double *out)
 {
 	for (int i = 0; i < j->output_count; i++) {
 		const struct judge_output *o = &j->outputs[i];
 
-		for (size_t k = 0; k < a->count; k++)
+		for (size_t k = 0; k < j->count; k++)
 			for (size_t r = 0; r < o->rows; r++) {
 				size_t at = place(a, o->argument, r, k);
 				const void *from = a->data[o->argument];
@@ -170,6 +170,23 @@ enum rneagen_code study_build(struct study *s, struct study_row *row, struct rne
 	return s->error.code;
 }
 
+/* What was timed may be another kernel than that which the errors are of: a large batch's. */
+static int judge_timed(const struct judge *j, const struct arrays *a, struct judge_errors *errors)
+{
+	double *out = calloc(j->count, j->rows * sizeof *out);
+	struct judge_errors timed;
+
+	if (!out)
+		return 0;
+	arrays_gather(a, j, out);
+	timed = judge_results(j, out);
+	errors->max = fmax(errors->max, timed.max);
+	errors->rms = fmax(errors->rms, timed.rms);
+	errors->terms = fmax(errors->terms, timed.terms);
+	free(out);
+	return 1;
+}
+
 enum rneagen_code study_time(struct study *s, const struct rnea_robot *robot, struct study_row *row, size_t batch)
 {
 	const struct study_backend *b = backend_of(s, row);
@@ -188,6 +205,8 @@ enum rneagen_code study_time(struct study *s, const struct rnea_robot *robot, st
 	row->least = t.least;
 	row->spread = t.spread;
 	row->floor_ratio = t.floor / t.ns;
+	if (t.has_outputs && batch >= j->count && !judge_timed(j, &a, &row->errors))
+		error_memory(&s->error);
 	arrays_free(&a);
 	return s->error.code;
 }

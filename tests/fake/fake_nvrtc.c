@@ -133,6 +133,14 @@ static const char *limbs_of(const char *text)
 	return s ? s : text + strlen(text);
 }
 
+/* Where kernels of parts, which stand before all others, end; the text's begin where it has none. */
+static const char *alone_end(const char *text)
+{
+	const char *s = strstr(text, "#if !defined RNEA_ONLY_PART_KERNELS\n");
+
+	return s ? s : text;
+}
+
 /* That kernel's memory of the launch is under a name of its own. */
 static void write_given(FILE *f, const struct program *p)
 {
@@ -172,10 +180,11 @@ static void write_source(const struct program *p, const char *path)
 	fputs("#if defined RNEA_MIN_BLOCKS\n#define FAKE_MIN_BLOCKS RNEA_MIN_BLOCKS\n#else\n#define FAKE_MIN_BLOCKS 0\n#endif\n",
 		f);
 	while ((s = strstr(s, mark)) != NULL) {
-		int is_limbs = s > limbs;
+		int is_limbs = s > limbs, is_alone = s < alone_end(p->source);
 
 		s = kernel_name(s + strlen(mark), &length);
-		fprintf(f, "#if !defined %s\nFAKE_KERNEL(%.*s, %s)\n#endif\n", is_limbs ? "RNEA_NO_LIMBS" : "RNEA_ONLY_LIMBS",
+		fprintf(f, "#if !defined %s%s\nFAKE_KERNEL(%.*s, %s)\n#endif\n", is_limbs ? "RNEA_NO_LIMBS" : "RNEA_ONLY_LIMBS",
+			is_limbs ? "" : is_alone ? " && !defined RNEA_NO_PART_KERNELS" : " && !defined RNEA_ONLY_PART_KERNELS",
 			(int)length, s, (is_limbs ? limbs_wait : waits) ? "fake_run_threads" : "fake_run_serial");
 	}
 	fclose(f);

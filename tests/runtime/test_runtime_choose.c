@@ -1,7 +1,7 @@
 /* Which of several compilations is kept: the choice alone, and what rnea_open makes of it. */
 #define _GNU_SOURCE
 #include "test_runtime.h"
-#include "cuda/compilation.h"
+#include "cuda/compile/compilation.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 /* jit_compile with the real NVRTC, which needs no GPU. Without one, each test says that it is skipped. */
 #define _GNU_SOURCE
 #include "test_runtime.h"
-#include "cuda/jit.h"
+#include "cuda/compile/jit.h"
 #include <elf.h>
 #include <glob.h>
 #include <stdio.h>

@@ -2,7 +2,7 @@
    own; what the machine itself has is found by the same search, and may come first. */
 #define _GNU_SOURCE
 #include "test_runtime.h"
-#include "cuda/nvrtc.h"
+#include "cuda/compile/nvrtc.h"
 #include <fcntl.h>
 #include <ftw.h>
 #include <inttypes.h>

@@ -6,7 +6,7 @@
 #include "support/rng.h"
 #include "support/suite.h"
 #include "target/target.h"
-#include "cuda/jit.h"
+#include "cuda/compile/jit.h"
 #include <elf.h>
 #include <stdio.h>
 #include <stdlib.h>

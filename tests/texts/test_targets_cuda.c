@@ -9,7 +9,7 @@
 #include "target/ptxas.h"
 #include "support/suite.h"
 #include "target/target.h"
-#include "cuda/jit.h"
+#include "cuda/compile/jit.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -20,13 +20,8 @@ static const char *in_place_text(const struct emission *e, const struct part *pa
 		"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n";
 }
 
-/* ---- windows ---- */
-
-/* What memory is written in. */
-enum { SECTOR_BYTES = 32 };
-
 /* Derivatives may take more values than there are registers. ptxas refuses this where the launch gives shared memory. */
-static const char *spill_text(const struct emission *e)
+const char *emit_spill(const struct emission *e)
 {
 	const struct slot slots[] = {{"UNLESS_GIVEN", emit_is_staged(e) ? " && !RNEA_GIVEN_BYTES" : ""}};
 	struct text t;
@@ -35,92 +30,6 @@ static const char *spill_text(const struct emission *e)
 	if (emit_is_full(e) && !emit_main(e)->segments.count)
 		template_expand(&t, e->target->kernel->spill, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
-}
-
-/* A warp's outputs begin at its first sample, inputs at this thread's. */
-static const char *windowed_arguments(const struct emission *e)
-{
-	const struct dag *d = arguments_of(e);
-	struct text t;
-
-	text_init(&t, e->arena);
-	for (int i = 0; i < d->argument_count; i++) {
-		const struct argument *a = &d->arguments[i];
-
-		text_printf(&t, "%s%s", i ? ", " : "", a->name);
-		if (!a->per_batch)
-			text_printf(&t, " + %s*%d", a->is_output ? "first" : "k", a->rows);
-	}
-	return text_string(&t);
-}
-
-static void put_windowed(const struct emission *e, const struct pass *p, struct text *out)
-{
-	const struct call call = {.indent = "\t", .arguments = windowed_arguments(e), .q = emit_q_at_sample(e), .stride = "1"};
-	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"SPILL", spill_text(e)},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", emit_call(e, p, &call)},
-	};
-
-	template_expand(out, e->target->kernel->windowed, slots, sizeof slots / sizeof *slots);
-}
-
-/* The number of a pass's first run among all. */
-static int first_run(const struct emission *e, const struct pass *p)
-{
-	int runs = 0;
-
-	for (int k = 0; k < emit_part_places(e) && emit_part(e, k) != p; k++)
-		for (int i = 0; i < emit_part(e, k)->windows.flush_count; i++)
-			runs += emit_part(e, k)->windows.flushes[i].count;
-	return runs;
-}
-
-void emit_put_flush(const struct emission *e, const struct pass *p, int flush, struct text *out)
-{
-	const struct windows *w = &p->windows;
-	const struct window_flush *f = &w->flushes[flush];
-	int first = first_run(e, p);
-
-	for (int i = 0; i < flush; i++)
-		first += w->flushes[i].count;
-	for (int i = 0, end; i < f->count; i = end) {
-		const struct argument *a = &p->dag.arguments[f->runs[i].argument];
-
-		for (end = i + 1; end < f->count && f->runs[end].argument == f->runs[i].argument; end++)
-			;
-		text_printf(out, "\tRNEA_FLUSH(%d, %s, %d, %d);\n", a->rows, a->name, first + i, end - i);
-	}
-}
-
-/* `{30, 7, 210}, ...`: a run's first row, its rows, and where its slots begin among all; or the slots. */
-static const char *runs_text(const struct emission *e, int slots)
-{
-	struct text t;
-	unsigned begin = 0;
-
-	text_init(&t, e->arena);
-	for (int k = 0; k < emit_part_places(e); k++)
-		for (int i = 0; i < emit_part(e, k)->windows.flush_count; i++) {
-			const struct window_flush *f = &emit_part(e, k)->windows.flushes[i];
-
-			for (const struct window_run *r = f->runs; r < f->runs + f->count; begin += r++->count)
-				if (!slots)
-					text_printf(&t, "%s{%u, %u, %u}", begin ? ", " : "", r->row, r->count, begin);
-				else
-					for (unsigned n = 0; n < r->count; n++)
-						text_printf(&t, "%s%d", begin + n ? ", " : "", r->slots[n]);
-		}
-	return text_string(&t);
-}
-
-static void put_windows(const struct emission *e, struct text *out)
-{
-	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"BLOCK", emit_int(e, emit_block_size(e))},
-		{"SLOTS", emit_int(e, emit_windows(e)->slots)}, {"BYTES", emit_int(e, emit_window_bytes(e))},
-		{"SECTOR", emit_int(e, SECTOR_BYTES / e->memory->bytes)}, {"RUNS", runs_text(e, 0)}, {"RUN_SLOTS", runs_text(e, 1)}};
-
-	template_expand(out, e->target->kernel->windows, slots, sizeof slots / sizeof *slots);
 }
 
 /* What a kernel's block does to its slice: all of it, or a part that shares nothing with others. */
@@ -142,13 +51,19 @@ static const char *handed_text(const struct emission *e)
 	return text_string(&t);
 }
 
+/* The main pass, or a part of it for some columns. */
+static int is_of_main(const struct emission *e, const struct pass *p)
+{
+	return p == emit_main(e) || emit_column_part(e, p) >= 0;
+}
+
 static const char *kernel_call(const struct emission *e, const struct work *w, const struct slices *s)
 {
 	int is_soa = e->options->layout == RNEAGEN_SOA;
 	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = s->here, .q = "q_here",
 		.stride = is_soa ? "stride" : "1", .part = w->part, .is_staged = 1, .handed = handed_text(e)};
 	const struct call there = {.indent = "\t", .arguments = emit_params(e, w->pass, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
-		.stride = emit_stride(e), .is_optimistic = w->pass == emit_main(e) && emit_is_optimistic(e), .part = w->part,
+		.stride = emit_stride(e), .is_optimistic = is_of_main(e, w->pass) && emit_is_optimistic(e), .part = w->part,
 		.handed = handed_text(e)};
 
 	return emit_call(e, w->pass, w->is_staged ? &here : &there);
@@ -187,13 +102,22 @@ static const char *head_text(const struct emission *e, const struct work *w)
 	return text_string(&t);
 }
 
+/* Each part's share. */
+static const char *zeros_text(const struct emission *e, const struct pass *p)
+{
+	int part = emit_column_part(e, p);
+
+	if (part >= 0)
+		return emit_zero_loops(e, emit_int(e, part), emit_int(e, e->part_count));
+	return p == emit_main(e) ? emit_zero_loops(e, "blockIdx.y", "gridDim.y") : "";
+}
+
 static void put_work(const struct emission *e, const struct work *w, struct text *out)
 {
 	const struct slices s = emit_slices(e, w->part);
-	int is_main = w->pass == emit_main(e);
 	const struct slot slots[] = {
 		{"HEAD", head_text(e, w)}, {"NAME", e->options->name}, {"PASS", w->pass->algorithm->name}, {"T", e->memory->type},
-		{"SPILL", spill_text(e)}, {"ZEROS", is_main ? emit_zero_loops(e, "blockIdx.y", "") : ""},
+		{"SPILL", emit_spill(e)}, {"ZEROS", zeros_text(e, w->pass)},
 		{"CALL", kernel_call(e, w, &s)}, {"PREFETCH", prefetch_text(e, w->pass)},
 		{"DECLARATION", w->part ? "" : emit_slices_declaration(e)},
 		{"SLICES", s.slices}, {"POINTERS", s.pointers}, {"MOVE_IN", s.move_in}, {"MOVE_OUT", s.move_out}, {"JOIN", s.join},
@@ -205,7 +129,7 @@ static void put_work(const struct emission *e, const struct work *w, struct text
 		sizeof slots / sizeof *slots);
 }
 
-static void put_kernel(const struct emission *e, const struct pass *p, struct text *out)
+void emit_kernel(const struct emission *e, const struct pass *p, struct text *out)
 {
 	const struct work w = {p, NULL, emit_is_staged(e) && p == emit_main(e)};
 
@@ -273,18 +197,18 @@ static void put_starts(const struct emission *e, struct text *out)
 
 static void put_pass(const struct emission *e, const struct pass *p, struct text *out)
 {
-	if (p == emit_main(e))
-		emit_parts_small(e, out);
 	if (p->segments.count)
 		emit_segments_kernel(e, p, out);
 	else
-		put_kernel(e, p, out);
+		emit_kernel(e, p, out);
 }
 
 void emit_kernels(const struct emission *e, struct text *out)
 {
 	emit_zeros(e, out);
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
+	emit_parts_small(e, out);
+	emit_alone(e, out);
 	if (e->relay && e->relay->start_count)
 		put_starts(e, out);
 	else if (e->relay)
@@ -295,9 +219,10 @@ void emit_kernels(const struct emission *e, struct text *out)
 		if (i == 0 && emit_is_apart(e))
 			put_both(e, out);
 		else if (i == 0 && !e->passes[i].segments.count && emit_windows(e)->slots)
-			put_windowed(e, &e->passes[i], out);
+			emit_windowed(e, &e->passes[i], out);
 		else
 			put_pass(e, &e->passes[i], out);
+	text_put(out, emit_alone_least(e) ? "#endif\n" : "");
 	if (emit_has_limbs(e))
 		emit_limbs(e, out);
 }
@@ -326,7 +251,7 @@ const char *emit_store(const struct emission *e)
 	if (e->target->kernel && emit_lines_ahead(e, emit_part(e, 0)))
 		text_put(&t, e->target->kernel->ask);
 	if (e->target->kernel && emit_windows(e)->slots)
-		put_windows(e, &t);
+		emit_put_windows(e, &t);
 	return text_string(&t);
 }
 

@@ -195,7 +195,7 @@ static void put_crew(const struct emission *e, const struct crew *c, struct text
 		{"GROUPS", emit_int(e, s->groups)}, {"JOIN", join_text(e, s, lines)}, {"LIMBS", lines}, {"CASES", cases_text(e, c)},
 		{"MOST", emit_int(e, (int)s->most)}, {"BYTES", emit_int(e, emit_limbs_bytes(e, s))},
 		{"PART", has_parts ? "blockIdx.y*RNEA_LIMBS + " : ""},
-		{"ZEROS", c->is_start ? "" : emit_zero_loops(e, "blockIdx.y*RNEA_LIMBS + warp%RNEA_LIMBS", "*RNEA_LIMBS")},
+		{"ZEROS", c->is_start ? "" : emit_zero_loops(e, "blockIdx.y*RNEA_LIMBS + warp%RNEA_LIMBS", "gridDim.y*RNEA_LIMBS")},
 		{"RESTRICT_PARAMS", emit_params(e, c->named, PARAMS_CUDA_RESTRICT)}};
 
 	template_expand(out, template_kernel_limbs_in, slots, sizeof slots / sizeof *slots);

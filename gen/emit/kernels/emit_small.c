@@ -58,15 +58,21 @@ static const char *small_loops(const struct emission *e, const struct stretch ro
 	return text_string(&t);
 }
 
+static void put_small_of(const struct emission *e, const char *what, const char *name, const char *loops, const char *gap,
+	struct text *out)
+{
+	const struct slot slots[] = {{"WHAT", what}, {"NAME", name}, {"T", e->memory->type}, {"F", e->memory->suffix},
+		{"LOOPS", loops}, {"GAP", gap},
+		{"BITS", emit_main(e)->single || emit_main(e)->lanes_in_batches ? "" : "; the results have the same bits either way"}};
+
+	template_expand(out, template_is_small_in, slots, sizeof slots / sizeof *slots);
+}
+
 /* The test of some rows of q, which may be in two stretches. */
 static void put_small(const struct emission *e, const char *what, const char *name, const struct stretch rows[STRETCHES],
 	struct text *out)
 {
-	const struct slot slots[] = {{"WHAT", what}, {"NAME", name}, {"T", e->memory->type}, {"F", e->memory->suffix},
-		{"LOOPS", small_loops(e, rows)}, {"GAP", rows[1].rows ? ", const size_t gap" : ""},
-		{"BITS", emit_main(e)->single || emit_main(e)->lanes_in_batches ? "" : "; the results have the same bits either way"}};
-
-	template_expand(out, template_is_small_in, slots, sizeof slots / sizeof *slots);
+	put_small_of(e, what, name, small_loops(e, rows), rows[1].rows ? ", const size_t gap" : "", out);
 }
 
 const char *emit_is_small(const struct emission *e)
@@ -97,14 +103,16 @@ void emit_part_small(const struct emission *e, const struct part *part, struct t
 		put_small(e, "a part", text_string(&name), part->pass.stretches->own[0], out);
 }
 
-/* In each run of the rows that a part reads. */
-static void put_small_case(const struct emission *e, int part, struct text *out)
+/* Of each run of the rows that a part reads. */
+static void put_column_small(const struct emission *e, const struct pass *p, struct text *out)
 {
-	const struct dag *d = &e->parts[part].pass.dag;
+	const struct dag *d = &p->dag;
 	char *is_read = arena_alloc(e->arena, (size_t)e->tree->nq + 1, 1);
-	struct text loops;
+	struct text loops, name;
 
 	text_init(&loops, e->arena);
+	text_init(&name, e->arena);
+	text_printf(&name, "%s_%s", e->options->name, p->algorithm->name);
 	for (size_t i = 0; is_read && i < d->count; i++)
 		if (d->nodes[i].op == OP_INPUT && !d->nodes[i].arg[0].i)
 			is_read[d->nodes[i].arg[1].i] = 1;
@@ -114,9 +122,7 @@ static void put_small_case(const struct emission *e, int part, struct text *out)
 		if (end > row)
 			put_small_loop(e, (struct stretch){row, end - row}, "i", &loops);
 	}
-	text_printf(out, "\tcase %d:\n", part);
-	text_put_indented(out, text_string(&loops));
-	text_put(out, "\t\tbreak;\n");
+	put_small_of(e, "a part", text_string(&name), text_string(&loops), "", out);
 }
 
 void emit_parts_small(const struct emission *e, struct text *out)
@@ -126,8 +132,11 @@ void emit_parts_small(const struct emission *e, struct text *out)
 	if (!emit_has_known(e) || !emit_has_angles(e, emit_main(e)) || !emit_asks_by_parts(e))
 		return;
 	text_init(&cases, e->arena);
-	for (int i = 0; i < e->part_count; i++)
-		put_small_case(e, i, &cases);
+	for (int i = 0; i < e->part_count; i++) {
+		put_column_small(e, &e->parts[i].pass, out);
+		text_printf(&cases, "\tcase %d:\n\t\treturn %s_%s_is_small(q, stride);\n", i, e->options->name,
+			e->parts[i].pass.algorithm->name);
+	}
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type},
 		{"CASES", text_string(&cases)}};
 

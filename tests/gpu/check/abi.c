@@ -1,6 +1,6 @@
 /* The runtime declares what it uses of CUDA by itself; where cuda.h and nvrtc.h are at hand, the two are compared. */
 #include "cuda/device.h"
-#include "cuda/nvrtc.h"
+#include "cuda/compile/nvrtc.h"
 #include <cuda.h>
 #include <nvrtc.h>
 

@@ -1,7 +1,7 @@
 /* Times: of small batches by a graph of many launches, of a large one over buffers that the cache cannot hold, and of
    moving the same arrays without computing anything. */
 #include "check.h"
-#include "cuda/jit.h"
+#include "cuda/compile/jit.h"
 #include <math.h>
 #include <stdint.h>
 #include <stdio.h>

@@ -1,4 +1,4 @@
-#include "cuda/compilation.h"
+#include "cuda/compile/compilation.h"
 
 /* Whether `a` is to be had rather than `b`, of another block size. */
 static int is_better(const struct compilation *a, const struct compilation *b, unsigned own)

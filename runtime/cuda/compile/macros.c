@@ -1,4 +1,4 @@
-#include "cuda/macros.h"
+#include "cuda/compile/macros.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

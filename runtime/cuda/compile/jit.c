@@ -1,6 +1,6 @@
-#include "cuda/jit.h"
+#include "cuda/compile/jit.h"
 #include "core/log.h"
-#include "cuda/nvrtc.h"
+#include "cuda/compile/nvrtc.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-#include "cuda/nvrtc.h"
+#include "cuda/compile/nvrtc.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -3,15 +3,15 @@
 /* An image of a CUDA text for one device: compiled, or kept from before. */
 
 #include "cache/cache.h"
-#include "cuda/jit.h"
+#include "cuda/compile/jit.h"
 #include "core/source.h"
 
-/* Which kernels of the text: all, or those that a program of their own has. */
-enum image_half { IMAGE_ALL, IMAGE_WITHOUT_LIMBS, IMAGE_LIMBS };
+/* Which kernels of the text: all, or all but those that have programs of their own; the kernels of small batches; those of parts. */
+enum image_share { IMAGE_ALL, IMAGE_MAIN, IMAGE_LIMBS, IMAGE_ALONE };
 
 struct image_request {
 	const struct source *source;
-	enum image_half half;
+	enum image_share share;
 	const char *file;	    /* what messages call it */
 	const char *const *options; /* further options for NVRTC, option_count of them */
 	size_t option_count;
@@ -36,8 +36,8 @@ unsigned image_bound(const struct image_request *r, unsigned block);
 /* Whether an option of the caller's speaks of that bound, which is then not ours to change. */
 int image_is_bound(const struct image_request *r);
 
-/* Whether the text has a kernel of small batches that no option of the caller's leaves out. */
-int image_has_limbs(const struct image_request *r);
+/* Whether the text has kernels of such a share that no option of the caller's leaves out. */
+int image_has(const struct image_request *r, enum image_share share);
 
 /* Compile for blocks of `block` threads (0: the text's own), without the launch bound if `unbounded`. On failure *i is
    empty. Errors: those of jit_compile. */

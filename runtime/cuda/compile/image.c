@@ -1,6 +1,6 @@
-#include "cuda/image.h"
-#include "cuda/macros.h"
-#include "cuda/nvrtc.h"
+#include "cuda/compile/image.h"
+#include "cuda/compile/macros.h"
+#include "cuda/compile/nvrtc.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,18 +30,34 @@ unsigned image_bound(const struct image_request *r, unsigned block)
 	return macro_min_blocks(r->source, block);
 }
 
-int image_has_limbs(const struct image_request *r)
+/* What leaves a share out; the macro that a text with such kernels defines; what leaves all others out. */
+static const struct {
+	const char *without, *macro, *only;
+} shares[] = {[IMAGE_LIMBS] = {"-DRNEA_NO_LIMBS", "RNEA_LIMBS", "-DRNEA_ONLY_LIMBS"},
+	[IMAGE_ALONE] = {"-DRNEA_NO_PART_KERNELS", "RNEA_PART_KERNELS", "-DRNEA_ONLY_PART_KERNELS"}};
+
+int image_has(const struct image_request *r, enum image_share share)
 {
 	for (size_t i = 0; i < r->option_count; i++)
-		if (strstr(r->options[i], "RNEA_NO_LIMBS"))
+		if (strstr(r->options[i], shares[share].without))
 			return 0;
-	return macro_value(r->source, "RNEA_LIMBS") > 0;
+	return macro_bytes(r->source, shares[share].macro) > 0;
+}
+
+/* Appends one or two. */
+static size_t put_share(enum image_share share, const char **options)
+{
+	if (share == IMAGE_ALL)
+		return 0;
+	options[0] = shares[share == IMAGE_LIMBS ? IMAGE_ALONE : IMAGE_LIMBS].without;
+	options[1] = share == IMAGE_MAIN ? shares[IMAGE_ALONE].without : shares[share].only;
+	return 2;
 }
 
 enum rnea_code image_compile(
 	const struct image_request *r, unsigned block, int unbounded, struct image *i, struct rnea_error *e)
 {
-	const char **options = calloc(r->option_count + 3, sizeof *options);
+	const char **options = calloc(r->option_count + 4, sizeof *options);
 	struct jit_request j = {.source = r->source->text,
 		.file = r->file,
 		.arch = r->arch,
@@ -62,8 +78,7 @@ enum rnea_code image_compile(
 	}
 	if (unbounded)
 		options[j.option_count++] = "-DRNEA_MIN_BLOCKS=0";
-	if (r->half != IMAGE_ALL)
-		options[j.option_count++] = r->half == IMAGE_LIMBS ? "-DRNEA_ONLY_LIMBS" : "-DRNEA_NO_LIMBS";
+	j.option_count += put_share(r->share, options + j.option_count);
 	if (!jit_compile(&j, &i->code, e)) {
 		i->block = block;
 		i->min_blocks = unbounded ? 0 : image_bound(r, block);
@@ -88,8 +103,8 @@ static size_t write_key(const struct image_request *r, const char *nvrtc, char *
 {
 	char head[128];
 	size_t length = 0;
-	int n = snprintf(head, sizeof head, "rnea CUDA image 1, sm_%d, block %u, half %d, %zu options", r->arch, r->block,
-		(int)r->half, r->option_count);
+	int n = snprintf(head, sizeof head, "rnea CUDA image 1, sm_%d, block %u, share %d, %zu options", r->arch, r->block,
+		(int)r->share, r->option_count);
 
 	append(key, &length, head, (size_t)n + 1);
 	append(key, &length, nvrtc, strlen(nvrtc) + 1);

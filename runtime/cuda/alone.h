@@ -1,0 +1,26 @@
+#ifndef RNEA_ALONE_H
+#define RNEA_ALONE_H
+/* Kernels of the parts of the first function's matrices, each alone, which a launch of a large batch runs one after the other instead of
+   the one kernel that has all parts along y. A robot without them runs all the same: what fails here is no failure of its opening, and
+   the info then tells of no such kernels. */
+
+#include "cuda/beside.h"
+
+struct alone {
+	void *module;		       /* NULL: there are none */
+	struct device_kernel *kernels; /* count of them */
+	unsigned count, block;
+	size_t least; /* samples of a batch from which on they run; 0: never */
+};
+
+/* Wait for the program, load it, and find what *info says of it, in blocks of `block` threads; where that fails, *info says no more. The
+   context must be current. */
+void alone_load(struct alone *a, struct beside *b, const struct device *d, struct rnea_info *info, unsigned block);
+
+enum rnea_code alone_launch(const struct alone *a, const struct device *d, void **parameters, size_t count, void *stream,
+	struct rnea_error *e);
+
+/* Free what it took, but for the module. */
+void alone_free(struct alone *a);
+
+#endif

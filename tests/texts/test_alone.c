@@ -1,0 +1,168 @@
+/* A kernel of its own for each part of matrices: from LEAST samples on both launches run these, with the whole text's values, and below
+   it the one kernel; a robot works without them. In the text the one kernel is broken, so that who ran is seen. */
+#include "launched.h"
+#include "support/exhaustive.h"
+#include "support/suite.h"
+#include "target/launch_library.h"
+#include <dlfcn.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { LEAST = 1000, COUNT = LEAST + 41, SEED = 20261127 }; /* the text's own number is larger */
+
+static const struct subject {
+	const char *robot, *scene;
+	int floating, parts;
+} SUBJECTS[] = {
+	{"hyq", "want tau,dtau_dq,dtau_dqd,M\ndense\n", 1, 3},
+	{"hyq", "want qdd,dqdd_dq,dqdd_dqd\n", 1, 6},   /* a relay's second kernel */
+	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, 4}, /* it asks for angles first */
+};
+enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
+
+/* Of the text; `to` is as long. */
+static void replace(struct target *t, const char *from, const char *to)
+{
+	char *at = strstr(t->text.source, from);
+
+	ck_assert_msg(at != NULL, "%s: no %s", t->what, from);
+	ck_assert_uint_eq(strlen(from), strlen(to));
+	memcpy(at, to, strlen(to));
+}
+
+static void generate(const struct subject *s, int parts, struct target *t)
+{
+	struct rneagen_options o = rneagen_options_default();
+
+	o.precision = RNEAGEN_F32;
+	o.limbs = RNEAGEN_LIMBS_NONE;
+	o.parts = parts;
+	launched_generate(t, s->robot, s->scene, s->floating, &o);
+	if (parts == 1)
+		return;
+	replace(t, "part_kernels 16896", "part_kernels 01000");
+	replace(t, "define RNEA_PART_KERNELS 16896", "define RNEA_PART_KERNELS  1000");
+}
+
+/* In the one kernel no block has a part to make. */
+static void break_one(struct target *t)
+{
+	replace(t, "switch (blockIdx.y) { /* no loop", "switch (0x7fffffff) { /* no loop");
+}
+
+static struct rnea_robot *open_robot(const struct target *t, const char *option)
+{
+	struct rnea_options o = {.backend = RNEA_BACKEND_CUDA, .compile = &option, .compile_count = option != NULL};
+	struct rnea_robot *robot;
+	struct rnea_error e;
+
+	ck_assert_msg(!rnea_open(t->text.source, strlen(t->text.source), &o, &robot, &e), "%s: %s", t->what, e.message);
+	return robot;
+}
+
+/* How many of the second output's numbers were written: the first may be a relay's first kernel's. Zeros have a loop of their own. */
+static size_t written(const struct launch *x)
+{
+	const struct rnea_argument *a = &x->info->arguments[x->info->input_count + 1];
+	const float *array = x->arrays[x->info->input_count + 1];
+	size_t count = 0;
+
+	for (size_t k = 0; k < x->count * a->rows; k++)
+		count += isnan(array[k]) ? 0 : 1;
+	return count;
+}
+
+static size_t all(const struct launch *x)
+{
+	return x->count * x->info->arguments[x->info->input_count + 1].rows;
+}
+
+static void check_small(const struct subject *s, const struct target *broken)
+{
+	struct launch x = launched_run(open_robot(broken, NULL), LEAST - 1, SEED, s->floating);
+
+	ck_assert_uint_lt(written(&x), all(&x));
+	launched_free(&x);
+}
+
+START_TEST(test_values)
+{
+	const struct subject *s = &SUBJECTS[_i];
+	struct target broken, whole;
+	struct launch x, y;
+	double worst;
+
+	if (_i && !exhaustive())
+		return;
+	generate(s, s->parts, &broken);
+	generate(s, 1, &whole);
+	break_one(&broken);
+	x = launched_run(open_robot(&broken, NULL), COUNT, SEED, s->floating);
+	y = launched_run(launched_open(&whole, RNEA_BACKEND_HOST, 0), COUNT, SEED, s->floating);
+	ck_assert_uint_eq(x.info->functions->part_kernels, LEAST);
+	worst = launched_distance(&x, &y, s->robot);
+	printf("%s, %s: within %.1e, seed %d\n", s->robot, s->scene, worst, SEED);
+	ck_assert_double_lt(worst, 2e-4);
+	if (_i && !exhaustive()) /* there the relay's third kernel would solve with what is not there */
+		check_small(s, &broken);
+	launched_free(&x);
+	launched_free(&y);
+	rneagen_result_free(&broken.text);
+	rneagen_result_free(&whole.text);
+}
+END_TEST
+
+/* An option leaves them out; where their program does not compile there are none. */
+START_TEST(test_without)
+{
+	struct target t;
+	struct launch x;
+
+	generate(&SUBJECTS[0], SUBJECTS[0].parts, &t);
+	if (_i)
+		replace(&t, "/* A kernel for each part, ", "#error of their own program");
+	x = launched_run(open_robot(&t, _i ? NULL : "-DRNEA_NO_PART_KERNELS"), COUNT, SEED, 1);
+	ck_assert_uint_eq(x.info->functions->part_kernels, 0);
+	ck_assert_uint_eq(written(&x), all(&x));
+	launched_free(&x);
+	rneagen_result_free(&t.text);
+}
+END_TEST
+
+/* NAME_rnea_launch, as nvcc builds it. */
+START_TEST(test_launch)
+{
+	int (*launch)(void *q, void *qd, void *qdd, void *tau, void *dq, void *dqd, void *m, size_t count, void *stream);
+	struct target t;
+	struct launch x;
+	void *library;
+
+	generate(&SUBJECTS[0], SUBJECTS[0].parts, &t);
+	break_one(&t);
+	library = launch_library(&t, "alone_launch", "", "FAKE_ALIKE(hyq_rnea_kernel)");
+	target_symbol(&t, library, "hyq_rnea_launch", &launch);
+	for (size_t count = LEAST - 1; count <= LEAST; count++) {
+		x = launched_run(open_robot(&t, NULL), count, SEED, 1);
+		for (size_t i = 3; i < 7; i++)
+			memset(x.arrays[i], 0xff, x.info->arguments[i].rows * count * sizeof(float)); /* NaN */
+		ck_assert_int_eq(launch(x.arrays[0], x.arrays[1], x.arrays[2], x.arrays[3], x.arrays[4], x.arrays[5], x.arrays[6], count, NULL), 0);
+		ck_assert_int_eq(written(&x) == all(&x), count == LEAST);
+		launched_free(&x);
+	}
+	dlclose(library);
+	rneagen_result_free(&t.text);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *s = suite_create("alone");
+
+	launched_pretend();
+	suite_add(s, "values", test_values, SUBJECT_COUNT, 600);
+	suite_add(s, "without", test_without, 2, 120);
+	suite_add(s, "launch", test_launch, 1, 120);
+	return suite_run(s);
+}
