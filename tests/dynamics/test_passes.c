@@ -9,7 +9,7 @@
 #include <string.h>
 
 enum { LINKS = 20, ROWS = 1024 };
-#define ROBOTS (exhaustive() ? 300ull : 40ull) /* random trees */
+#define ROBOTS (exhaustive() ? 150ull : 40ull) /* random trees */
 
 #define LIMIT_TERMS 4 /* eps of the magnitudes that were summed */
 #define FLOOR 0.01

@@ -8,7 +8,7 @@
 #include <string.h>
 
 enum { LINKS = 16 };
-#define ROBOTS (exhaustive() ? 60ull : 18ull) /* random trees */
+#define ROBOTS (exhaustive() ? 36ull : 18ull) /* random trees */
 
 /* Rounding of long double, by the magnitudes that were summed. */
 #define ROUNDING 2e-17L

@@ -35,7 +35,7 @@ static void check_model(struct tally *t, const char *urdf, size_t length, const 
 
 static int sample_count(void)
 {
-	return sanitized() ? RANDOM_SAMPLES : exhaustive() ? MORE * SAMPLES : FEW_SAMPLES;
+	return sanitized() ? RANDOM_SAMPLES : exhaustive() ? SAMPLES : FEW_SAMPLES;
 }
 
 static void check_robot(const char *path, const char *name, void *context)

@@ -10,8 +10,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define SAMPLES (exhaustive() ? 400000 : sanitized() ? 10000 : 100000)
-#define ANGLES (exhaustive() ? 100000 : sanitized() ? 2500 : 25000)
+#define SAMPLES (exhaustive() ? 200000 : sanitized() ? 10000 : 100000)
+#define ANGLES (exhaustive() ? 50000 : sanitized() ? 2500 : 25000)
 enum { SEED = 4711, BITS = 400, VARIANTS = 3 };
 
 /* Sine and cosine: relative, and where they vanish. */
