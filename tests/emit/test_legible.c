@@ -1,7 +1,6 @@
 /* What a reader needs of a text: lines that fit a page, a legend that explains every name of the statements, no rows times
    zero or one; and --only rnea, which leaves out what is not the algorithm. Reads the texts as strings, and shares nothing
-   with what wrote them. Every robot by every variant where all is asked for, else by every third
-   in turn; under the sanitizers by two of them. */
+   with what wrote them. Every robot by every third variant in turn; under the sanitizers by every fifth. */
 #include "rneagen.h"
 #include "support/exhaustive.h"
 #include "support/model.h"
