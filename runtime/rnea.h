@@ -212,9 +212,10 @@ struct rnea_function {
 	   own rnea_launch and rnea_run launch NAME_FUNCTION_hands_kernel, then NAME_FUNCTION_hands1_kernel and so on, in the same blocks
 	   with the same shared memory, and so many along y of each; 0: there is no such kernel, and none after it */
 	unsigned hands[RNEA_HANDS_LIMIT];
-	/* Of matrices in parts: from so many samples on rnea_launch and rnea_run launch, instead of the kernel with all parts along y,
-	   NAME_FUNCTION_part0_kernel, NAME_FUNCTION_part1_kernel and so on, one for each of `parts`, with the same parameters; 0: never,
-	   there are no such kernels, or they did not compile */
+	/* Of matrices in parts: from so many samples on rnea_launch launches, instead of the kernel with all parts along y,
+	   NAME_FUNCTION_part0_kernel, NAME_FUNCTION_part1_kernel and so on, one for each of `parts`, with the same parameters, in blocks of
+	   as many threads as were asked for, or as the text says, one along y; 0: never, there are no such kernels, or they did not
+	   compile. The slices of rnea_run are smaller */
 	size_t part_kernels;
 };
 

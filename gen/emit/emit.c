@@ -291,19 +291,21 @@ static void put_bodies(const struct emission *e, struct text *out)
 		put_lanes(e, out);
 	if (emit_main(e)->single)
 		emit_columns_macros(e, out);
+	for (int i = 0; i < e->part_count; i++)
+		put_body(e, &e->parts[i].pass, out);
+	text_put(out, emit_alone_least(e) ? EMIT_UNLESS_ALONE : "");
 	for (int i = 0; e->relay && i < e->relay->start_count; i++)
 		put_body(e, &e->relay->starts[i].pass, out);
 	if (e->relay && !e->relay->start_count)
 		put_pass(e, &e->relay->start.pass, out);
 	if (e->relay)
 		put_pass(e, &e->relay->solve.pass, out);
-	for (int i = 0; i < e->part_count; i++)
-		put_body(e, &e->parts[i].pass, out);
 	for (int i = 0; i < e->pass_count; i++)
 		if (i == 0 && e->part_count)
 			emit_dispatcher(e, out);
 		else
 			put_pass(e, &e->passes[i], out);
+	text_put(out, emit_alone_least(e) ? "#endif\n" : "");
 	text_put(out, emit_has_limbs(e) ? "#endif\n" : "");
 }
 
@@ -329,7 +331,8 @@ void emit_source(const struct emission *e, struct text *out)
 		{"NUMBERS", numbers_text(e)}, {"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
 		{"IS_SMALL", emit_unless_limbs(e, emit_is_small(e))}, {"JOINTS", emit_joints(e)},
 		{"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)}, {"STORE", emit_store(e)},
-		{"LAUNCH_HEAD", emit_launch_head(e)}, {"LAUNCH_HANDS", emit_launch_hands(e)}, {"LAUNCH_RELAY", emit_launch_relay(e)}, {"LAUNCH_ALONE", emit_launch_alone(e)},
+		{"LAUNCH_HEAD", emit_launch_head(e)}, {"LAUNCH_HANDS", emit_launch_hands(e)},
+		{"LAUNCH_RELAY", emit_launch_relay(e)}, {"LAUNCH_ALONE", emit_launch_alone(e)},
 		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e, "kernel")}, {"LAUNCH_LIMBS", emit_launch_limbs(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},

@@ -331,6 +331,7 @@ const char *emit_unless_limbs(const struct emission *e, const char *what);
 
 /* Kernels of the parts of matrices, each alone (emit_alone.c): from how many samples on a launch takes them (0: there are none),
    themselves, with a guard of all that follows, and their launch. */
+#define EMIT_UNLESS_ALONE "#if !defined RNEA_ONLY_PART_KERNELS\n"
 int emit_alone_least(const struct emission *e);
 void emit_alone(const struct emission *e, struct text *out);
 const char *emit_launch_alone(const struct emission *e);
@@ -468,9 +469,10 @@ void emit_rounds(const struct emission *e, const struct pass *p, const char *loo
 const char *emit_is_small(const struct emission *e);
 void emit_part_small(const struct emission *e, const struct part *part, struct text *out);
 
-/* Does each part for matrices ask of the rows that it reads alone? The function that does. */
+/* Does each part for matrices ask of the rows that it reads alone? The functions that do; the one that asks for a block's part. */
 int emit_asks_by_parts(const struct emission *e);
 void emit_parts_small(const struct emission *e, struct text *out);
+void emit_part_asks(const struct emission *e, struct text *out);
 
 /* The functions that fill the tables of sines; the macro that tells the runtime what stack they take. */
 const char *emit_sines(const struct emission *e);

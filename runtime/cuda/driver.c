@@ -54,7 +54,7 @@ static enum rnea_code find_first(const struct device *d, void *module, const str
 /* Local memory beyond the text's own tables of sines, which it only uses for large angles. */
 static size_t spilled_bytes(const struct device_kernel *k, const struct source *s)
 {
-	size_t own = macro_bytes(s, "RNEA_SINES_BYTES");
+	size_t own = macro_number(s, "RNEA_SINES_BYTES");
 
 	return k->resources.local_bytes > own ? k->resources.local_bytes - own : 0;
 }

@@ -65,7 +65,7 @@ static void *copy_host(const void *array, size_t size, struct rnea_error *e)
 	return copy;
 }
 
-/* On the host the first set is the caller's own. A GPU's outputs are not copied there. */
+/* On the host the first set is the caller's own. A GPU's outputs begin as they are. */
 static void add_set(struct work *w, void *const *arrays)
 {
 	size_t n = w->set_count++, inputs = rnea_info(w->robots[ROBOT])->input_count;
@@ -128,22 +128,28 @@ static double run(struct work *w, int kind)
 	return seconds_now() - start;
 }
 
-/* The robot's outputs of the first set, where the floor's stood, in the caller's arrays; no gigabytes from a GPU: they take seconds. */
-static void take_outputs(struct work *w, void *const *arrays, struct bench_time *time)
+/* One output of the first samples, from a GPU: in layout soa a piece of each row. */
+static void take_output(struct work *w, const struct rnea_argument *a, size_t i, void *array, size_t samples)
 {
-	size_t inputs = rnea_info(w->robots[ROBOT])->input_count, total = 0;
+	int is_soa = rnea_info(w->robots[ROBOT])->layout == RNEA_SOA && !a->per_batch;
+	size_t pieces = is_soa ? a->rows : 1, pitch = w->bytes[i] / pieces;
+	size_t size = a->per_batch ? pitch : pitch / w->count * samples;
 
-	for (size_t i = inputs; i < w->array_count; i++)
-		total += w->bytes[i];
-	if (w->b->gpu && total > BENCH_BACK)
-		return;
+	for (size_t r = 0; r < pieces && !w->e->code; r++)
+		bench_gpu_back(w->b->gpu, (char *)array + r * pitch, (const char *)w->arrays[0][i] + r * pitch, size, w->e);
+}
+
+/* The robot's outputs of the first set, where the floor's stand now. */
+static void take_outputs(struct work *w, void *const *arrays, size_t samples)
+{
+	const struct rnea_info *info = rnea_info(w->robots[ROBOT]);
+
 	if (w->b->gpu)
 		run(w, ROBOT);
 	else
 		rnea_launch(w->robots[ROBOT], w->sets[0], w->count, NULL, w->e);
-	for (size_t i = inputs; i < w->array_count && w->b->gpu && !w->e->code; i++)
-		bench_gpu_back(w->b->gpu, arrays[i], w->arrays[0][i], w->bytes[i], w->e);
-	time->has_outputs = 1;
+	for (size_t i = info->input_count; i < w->array_count && w->b->gpu; i++)
+		take_output(w, &info->arguments[i], i, arrays[i], samples);
 }
 
 static void drop_graphs(struct work *w)
@@ -220,7 +226,7 @@ static int is_enough(const struct work *w, int replays, double total)
 }
 
 enum rnea_code bench_measure(struct bench *b, const struct rnea_robot *robot, const struct rnea_robot *floor,
-	void *const *arrays, size_t count, struct bench_time *time, struct rnea_error *e)
+	void *const *arrays, size_t count, size_t back, struct bench_time *time, struct rnea_error *e)
 {
 	struct work *w = calloc(1, sizeof *w);
 	double total = 0;
@@ -237,8 +243,8 @@ enum rnea_code bench_measure(struct bench *b, const struct rnea_robot *robot, co
 			total += w->times[i][replays] = run(w, i);
 	if (!e->code)
 		summarise(w, replays, time);
-	if (!e->code)
-		take_outputs(w, arrays, time);
+	if (!e->code && back)
+		take_outputs(w, arrays, back);
 	drop_graphs(w);
 	drop_sets(w);
 	free(w);

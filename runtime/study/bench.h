@@ -7,9 +7,9 @@
 /* Time is taken of at least BENCH_REPLAYS runs of as many launches as last BENCH_RUN seconds, until BENCH_TOTAL seconds
    are full; on a busy machine until BENCH_ALIKE runs are within a tenth of the least, or BENCH_LIMIT seconds are full.
    Arrays of a large batch, BENCH_LARGE numbers or more whatever their type, take turns with others until they fill
-   BENCH_ARRAYS bytes, so that no cache holds them. Outputs of up to BENCH_BACK bytes come back from a GPU. */
+   BENCH_ARRAYS bytes, so that no cache holds them. */
 enum { BENCH_REPLAYS = 7, BENCH_REPLAYS_LIMIT = 199, BENCH_ALIKE = 4 };
-enum { BENCH_LARGE = 1 << 20, BENCH_ARRAYS = 256 << 20, BENCH_BACK = 512 << 20 };
+enum { BENCH_LARGE = 1 << 20, BENCH_ARRAYS = 256 << 20 };
 #define BENCH_RUN 1e-3
 #define BENCH_TOTAL 0.15
 #define BENCH_LIMIT 1.0
@@ -19,7 +19,6 @@ struct bench_time {
 	double least;  /* the least of them: what else the machine does only adds */
 	double spread; /* distance of the quartiles, over the median */
 	double floor;  /* the same for the floor: ns of one sample */
-	int has_outputs; /* the outputs in the program's memory are the robot's */
 };
 
 struct bench; /* one backend, where the arrays are */
@@ -32,8 +31,9 @@ void bench_close(struct bench *b);
 int bench_driver(const struct bench *b);
 
 /* Launches of `robot` and of `floor`, which takes the same arrays, in turns. `arrays` are `count` samples in the program's
-   memory, in the order of rnea_info(); on a GPU copies of them are used. Errors: as rnea_launch, DEVICE_MEMORY, MEMORY. */
+   memory, in the order of rnea_info(); on a GPU copies of them are used. The outputs of the first `back` samples, at most `count`, are the
+   robot's then. Errors: as rnea_launch, DEVICE_MEMORY, MEMORY. */
 enum rnea_code bench_measure(struct bench *b, const struct rnea_robot *robot, const struct rnea_robot *floor,
-	void *const *arrays, size_t count, struct bench_time *time, struct rnea_error *e);
+	void *const *arrays, size_t count, size_t back, struct bench_time *time, struct rnea_error *e);
 
 #endif

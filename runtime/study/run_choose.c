@@ -65,6 +65,15 @@ static int take(void *own, const char *name, int key, const char *word)
 
 /* ---- examining ---- */
 
+/* By measured errors. */
+static void weigh(const struct choosing *c, struct candidate *v)
+{
+	if ((v->verdict = choice_by_error(&v->row, c->max_error)) == VERDICT_CLOSE)
+		return;
+	rnea_close(v->robot);
+	v->robot = NULL;
+}
+
 /* The bound is known without compiling anything: what it rules out is not measured. */
 static enum rneagen_code examine(struct choosing *c, struct candidate *v)
 {
@@ -77,13 +86,9 @@ static enum rneagen_code examine(struct choosing *c, struct candidate *v)
 		return RNEAGEN_OK;
 	if (!c->measured && !c->proved && (v->verdict = choice_by_bound(&v->row, c->max_error)) != VERDICT_CLOSE)
 		return RNEAGEN_OK;
-	if (study_build(s, &v->row, &v->robot))
-		return s->error.code;
-	if ((v->verdict = choice_by_error(&v->row, c->max_error)) != VERDICT_CLOSE) {
-		rnea_close(v->robot);
-		v->robot = NULL;
-	}
-	return RNEAGEN_OK;
+	if (!study_build(s, &v->row, &v->robot))
+		weigh(c, v);
+	return s->error.code;
 }
 
 /* Of all rounds the least time: what else the machine does only adds. */
@@ -97,6 +102,7 @@ static enum rneagen_code time_once(struct choosing *c, struct candidate *v, int 
 	v->slowest = fmax(v->slowest, v->row.ns);
 	if (round)
 		v->row.least = fmin(v->row.least, least);
+	weigh(c, v); /* the timed launch was judged too */
 	return RNEAGEN_OK;
 }
 

@@ -194,18 +194,19 @@ enum rneagen_code study_time(struct study *s, const struct rnea_robot *robot, st
 	const struct judge *j = study_judge(s, row->precision);
 	struct bench_time t = {0};
 	struct rnea_error e = {0};
+	size_t back = j && batch >= j->count ? j->count : 0;
 	struct arrays a;
 
 	if (!j || !arrays_fill(&a, j, &s->analysis.dag, row->layout, batch))
 		return error_set(&s->error, RNEAGEN_MEMORY, "no memory for %zu samples; choose a smaller --batch", batch);
-	if (bench_measure(b->bench, robot, floor, a.data, batch, &t, &e))
+	if (bench_measure(b->bench, robot, floor, a.data, batch, back, &t, &e))
 		study_fail(s, &e);
 	row->batch = batch;
 	row->ns = t.ns;
 	row->least = t.least;
 	row->spread = t.spread;
 	row->floor_ratio = t.floor / t.ns;
-	if (t.has_outputs && batch >= j->count && !judge_timed(j, &a, &row->errors))
+	if (back && !s->error.code && !judge_timed(j, &a, &row->errors))
 		error_memory(&s->error);
 	arrays_free(&a);
 	return s->error.code;

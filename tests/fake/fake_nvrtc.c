@@ -136,8 +136,9 @@ static const char *limbs_of(const char *text)
 /* Where kernels of parts, which stand before all others, end; the text's begin where it has none. */
 static const char *alone_end(const char *text)
 {
-	const char *s = strstr(text, "#if !defined RNEA_ONLY_PART_KERNELS\n");
+	const char *s = strstr(text, "#define RNEA_PART_KERNELS ");
 
+	s = s ? strstr(s, "#if !defined RNEA_ONLY_PART_KERNELS\n") : NULL;
 	return s ? s : text;
 }
 

@@ -1,6 +1,8 @@
 /* A kernel of its own for each part of matrices: from LEAST samples on both launches run these, with the whole text's values, and below
    it the one kernel; a robot works without them. In the text the one kernel is broken, so that who ran is seen. */
+#define _GNU_SOURCE
 #include "launched.h"
+#include "cuda/compile/jit.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
 #include "target/launch_library.h"
@@ -105,7 +107,7 @@ START_TEST(test_values)
 	worst = launched_distance(&x, &y, s->robot);
 	printf("%s, %s: within %.1e, seed %d\n", s->robot, s->scene, worst, SEED);
 	ck_assert_double_lt(worst, 2e-4);
-	if (_i && !exhaustive()) /* there the relay's third kernel would solve with what is not there */
+	if (_i != 1) /* there the relay's third kernel would solve with what is not there */
 		check_small(s, &broken);
 	launched_free(&x);
 	launched_free(&y);
@@ -127,6 +129,39 @@ START_TEST(test_without)
 	ck_assert_uint_eq(x.info->functions->part_kernels, 0);
 	ck_assert_uint_eq(written(&x), all(&x));
 	launched_free(&x);
+	rneagen_result_free(&t.text);
+}
+END_TEST
+
+/* The programs that librnea makes of a text, by the real NVRTC where it is: each has its kernel, and no other's. */
+static const struct program {
+	const char *options[2], *has, *lacks;
+} PROGRAMS[] = {
+	{{"-DRNEA_NO_LIMBS", "-DRNEA_NO_PART_KERNELS"}, "hyq_rnea_kernel", "hyq_rnea_part1_kernel"},
+	{{"-DRNEA_NO_LIMBS", "-DRNEA_ONLY_PART_KERNELS"}, "hyq_rnea_part1_kernel", "hyq_rnea_kernel"},
+};
+
+START_TEST(test_program)
+{
+	const struct program *p = &PROGRAMS[_i];
+	char log[4096] = "";
+	struct jit_request r = {.file = "hyq.cu", .arch = 90, .options = p->options, .option_count = 2, .log = log, .log_size = sizeof log};
+	struct jit_image image;
+	struct rnea_error e = {0};
+	struct target t;
+
+	unsetenv("RNEA_NVRTC");
+	generate(&SUBJECTS[0], SUBJECTS[0].parts, &t);
+	r.source = t.text.source;
+	if (jit_compile(&r, &image, &e) == RNEA_NO_COMPILER) {
+		printf("skipped: %s\n", e.message);
+		return;
+	}
+	ck_assert_msg(e.code == RNEA_OK, "%s", e.message);
+	ck_assert_msg(!*log, "NVRTC says %s", log);
+	ck_assert_ptr_nonnull(memmem(image.data, image.size, p->has, strlen(p->has)));
+	ck_assert_ptr_null(memmem(image.data, image.size, p->lacks, strlen(p->lacks)));
+	jit_free(&image);
 	rneagen_result_free(&t.text);
 }
 END_TEST
@@ -163,6 +198,7 @@ int main(void)
 	launched_pretend();
 	suite_add(s, "values", test_values, SUBJECT_COUNT, 600);
 	suite_add(s, "without", test_without, 2, 120);
+	suite_add(s, "program", test_program, sizeof PROGRAMS / sizeof *PROGRAMS, 120);
 	suite_add(s, "launch", test_launch, 1, 120);
 	return suite_run(s);
 }

@@ -24,7 +24,8 @@ void emit_alone(const struct emission *e, struct text *out)
 	text_init(&kernels, e->arena);
 	for (int i = 0; i < e->part_count; i++)
 		emit_kernel(e, &e->parts[i].pass, &kernels);
-	const struct slot slots[] = {{"LEAST", emit_int(e, emit_alone_least(e))}, {"KERNELS", text_string(&kernels)}};
+	const struct slot slots[] = {{"LEAST", emit_int(e, emit_alone_least(e))}, {"KERNELS", text_string(&kernels)},
+		{"UNLESS_ALONE", EMIT_UNLESS_ALONE}};
 
 	template_expand(out, template_alone_in, slots, sizeof slots / sizeof *slots);
 }

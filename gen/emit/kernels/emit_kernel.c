@@ -209,6 +209,7 @@ void emit_kernels(const struct emission *e, struct text *out)
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	emit_parts_small(e, out);
 	emit_alone(e, out);
+	emit_part_asks(e, out);
 	if (e->relay && e->relay->start_count)
 		put_starts(e, out);
 	else if (e->relay)

@@ -125,18 +125,27 @@ static void put_column_small(const struct emission *e, const struct pass *p, str
 	put_small_of(e, "a part", text_string(&name), text_string(&loops), "", out);
 }
 
+static int has_parts_small(const struct emission *e)
+{
+	return emit_has_known(e) && emit_has_angles(e, emit_main(e)) && emit_asks_by_parts(e);
+}
+
 void emit_parts_small(const struct emission *e, struct text *out)
+{
+	for (int i = 0; i < e->part_count && has_parts_small(e); i++)
+		put_column_small(e, &e->parts[i].pass, out);
+}
+
+void emit_part_asks(const struct emission *e, struct text *out)
 {
 	struct text cases;
 
-	if (!emit_has_known(e) || !emit_has_angles(e, emit_main(e)) || !emit_asks_by_parts(e))
+	if (!has_parts_small(e))
 		return;
 	text_init(&cases, e->arena);
-	for (int i = 0; i < e->part_count; i++) {
-		put_column_small(e, &e->parts[i].pass, out);
+	for (int i = 0; i < e->part_count; i++)
 		text_printf(&cases, "\tcase %d:\n\t\treturn %s_%s_is_small(q, stride);\n", i, e->options->name,
 			e->parts[i].pass.algorithm->name);
-	}
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type},
 		{"CASES", text_string(&cases)}};
 

@@ -39,19 +39,26 @@ static const struct {
 int image_has(const struct image_request *r, enum image_share share)
 {
 	for (size_t i = 0; i < r->option_count; i++)
-		if (strstr(r->options[i], shares[share].without))
+		if (strstr(r->options[i], shares[share].without + strlen("-D")))
 			return 0;
-	return macro_bytes(r->source, shares[share].macro) > 0;
+	return macro_number(r->source, shares[share].macro) > 0;
 }
 
 /* Appends one or two. */
 static size_t put_share(enum image_share share, const char **options)
 {
-	if (share == IMAGE_ALL)
+	switch (share) {
+	case IMAGE_ALL:
 		return 0;
-	options[0] = shares[share == IMAGE_LIMBS ? IMAGE_ALONE : IMAGE_LIMBS].without;
-	options[1] = share == IMAGE_MAIN ? shares[IMAGE_ALONE].without : shares[share].only;
-	return 2;
+	case IMAGE_MAIN:
+		options[0] = shares[IMAGE_LIMBS].without;
+		options[1] = shares[IMAGE_ALONE].without;
+		return 2;
+	default:
+		options[0] = shares[share == IMAGE_LIMBS ? IMAGE_ALONE : IMAGE_LIMBS].without;
+		options[1] = shares[share].only;
+		return 2;
+	}
 }
 
 enum rnea_code image_compile(

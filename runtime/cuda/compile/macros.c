@@ -13,7 +13,7 @@ static const char *find_macro(const struct source *s, const char *macro)
 	return at ? at + length : NULL;
 }
 
-size_t macro_bytes(const struct source *s, const char *macro)
+size_t macro_number(const struct source *s, const char *macro)
 {
 	const char *at = find_macro(s, macro);
 
@@ -22,7 +22,7 @@ size_t macro_bytes(const struct source *s, const char *macro)
 
 unsigned macro_value(const struct source *s, const char *macro)
 {
-	size_t value = macro_bytes(s, macro);
+	size_t value = macro_number(s, macro);
 
 	return value <= 1024 ? (unsigned)value : 0;
 }

@@ -6,7 +6,7 @@
 
 /* The number of the line "#define MACRO number", or 0 where the text has no such line; of threads or blocks 0 where it
    is more than a block can have. */
-size_t macro_bytes(const struct source *s, const char *macro);
+size_t macro_number(const struct source *s, const char *macro);
 unsigned macro_value(const struct source *s, const char *macro);
 
 /* What the text gives RNEA_MIN_BLOCKS in blocks of `block` threads, 0: its own: a number, or "(RNEA_BLOCK < 64 ? 0 :
