@@ -68,6 +68,12 @@ static inline int emit_column_part(const struct emission *e, const struct pass *
 	return -1;
 }
 
+/* Is it the main pass, or one of these parts? */
+static inline int emit_is_of_main(const struct emission *e, const struct pass *p)
+{
+	return p == emit_main(e) || emit_column_part(e, p) >= 0;
+}
+
 /* How many of the parts, the first ones, are hands: of kernels of their own, which run before. */
 static inline int emit_hands(const struct emission *e)
 {

@@ -247,7 +247,7 @@ const char *emit_call(const struct emission *e, const struct pass *p, const stru
 {
 	struct text asked;
 	int is_part = c->part != NULL, has_gap = is_part && c->part->pass.stretches->own[0][1].rows > 0;
-	int is_own = is_part || (emit_asks_by_parts(e) && (p == emit_main(e) || emit_column_part(e, p) >= 0));
+	int is_own = is_part || (emit_asks_by_parts(e) && emit_is_of_main(e, p));
 
 	if (!emit_has_known(e) || !emit_has_angles(e, p))
 		return body_call(e, p, c->indent, c->arguments, stride_text(e, p, c), emit_handed_on(e, emit_unknown_names(e)));

@@ -1,32 +1,36 @@
 #include "cuda/alone.h"
+#include "cuda/compile/macros.h"
+#include "cuda/relay.h"
 #include "core/info_table.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static int find(struct alone *a, const struct device *d, const struct source *s, const char *function)
+/* In blocks of as many threads as the program was made for. */
+static int find(struct alone *a, const struct beside *b, const struct device *d, const struct rnea_function *f)
 {
+	const struct source *s = b->request.source;
 	struct rnea_error ignored = {0};
 
+	a->block = b->request.block ? b->request.block : macro_value(s, "RNEA_BLOCK");
 	for (unsigned i = 0; i < a->count; i++) {
-		struct device_kernel *k = &a->kernels[i];
-		char part[SOURCE_NAME_LIMIT];
+		char which[16];
 
-		snprintf(part, sizeof part, "%s_part%u", function, i);
-		source_symbol(s->name, part, "kernel", k->name);
-		if (device_find(d, a->module, k, 0, &ignored) || !k->function || k->resources.max_block < a->block)
+		snprintf(which, sizeof which, "part%u", i);
+		if (relay_kernel(d, a->module, s, f, which, 0, &a->kernels[i], &ignored) ||
+			a->kernels[i].resources.max_block < a->block)
 			return 0;
 	}
 	return 1;
 }
 
-void alone_load(struct alone *a, struct beside *b, const struct device *d, struct rnea_info *info, unsigned block)
+void alone_load(struct alone *a, struct beside *b, const struct device *d, struct rnea_info *info)
 {
 	const struct rnea_function *f = info->functions;
 
-	*a = (struct alone){.count = f->parts, .block = block, .least = f->part_kernels};
+	*a = (struct alone){.count = f->parts, .least = f->part_kernels};
 	if (a->least && (a->module = beside_load(b, d)) != NULL && (a->kernels = calloc(a->count, sizeof *a->kernels)) != NULL &&
-		find(a, d, b->request.source, f->name))
+		find(a, b, d, f))
 		return;
 	device_unload(d, a->module);
 	alone_free(a);

@@ -13,9 +13,9 @@ struct alone {
 	size_t least; /* samples of a batch from which on they run; 0: never */
 };
 
-/* Wait for the program, load it, and find what *info says of it, in blocks of `block` threads; where that fails, *info says no more. The
-   context must be current. */
-void alone_load(struct alone *a, struct beside *b, const struct device *d, struct rnea_info *info, unsigned block);
+/* Wait for the program, load it, and find what *info says of it; where that fails, *info says no more. The context must be
+   current. */
+void alone_load(struct alone *a, struct beside *b, const struct device *d, struct rnea_info *info);
 
 enum rnea_code alone_launch(const struct alone *a, const struct device *d, void **parameters, size_t count, void *stream,
 	struct rnea_error *e);

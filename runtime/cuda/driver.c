@@ -2,7 +2,6 @@
 #include "cuda/compile/compilation.h"
 #include "cuda/compile/macros.h"
 #include "core/info_table.h"
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -208,7 +207,6 @@ static enum rnea_code read_info(struct driver *c, const struct source *s, struct
 {
 	if (read_table(&c->device, c->module, s, info, e))
 		return e->code;
-	c->text_block = info->block;
 	if (c->block)
 		info->block = c->block; /* the table has the text's default */
 	c->block = info->block;
@@ -283,7 +281,7 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 static void load_beside(struct driver *c, struct beside *limbs, struct beside *alone, struct rnea_info *info)
 {
 	limbs_load(&c->limbs, limbs, &c->device, info);
-	alone_load(&c->alone, alone, &c->device, info, alone->request.block ? alone->request.block : c->text_block);
+	alone_load(&c->alone, alone, &c->device, info);
 	c->cached = c->cached && (!c->limbs.module || limbs->cached) && (!c->alone.module || alone->cached);
 }
 

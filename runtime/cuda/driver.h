@@ -15,7 +15,6 @@ struct driver {
 	struct relay relay;  /* likewise */
 	struct alone alone;  /* likewise */
 	unsigned block;	     /* threads per block of every launch but those of limbs and of parts alone */
-	unsigned text_block; /* the text's own */
 	unsigned min_blocks; /* launch bound of the first function's kernel; 0: none */
 	int cached;
 	char compiler[640]; /* "NVRTC 13.0 (libnvrtc.so.13)"; "" if it was cached */

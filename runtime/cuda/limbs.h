@@ -19,7 +19,8 @@ struct limbs {
 	struct limbs_kernel own, start;
 };
 
-/* Wait for the program, load it, and find what *info says of it; where that fails, *info says no more. The context must be current. */
+/* Wait for the program, load it, and find what *info says of it; where that fails, *info says no more. The context must be
+   current. */
 void limbs_load(struct limbs *l, struct beside *b, const struct device *d, struct rnea_info *info);
 
 /* Launch one of them. Without samples it does nothing. */

@@ -6,7 +6,7 @@
    floating hyq 6.6 and 6.6; 4096: atlas, 8 and 16, 11.7 and 17.2. */
 enum { FEW_GROUPS = 32, MOST_ALONG_FEW = 32, MOST_ALONG = 16 };
 
-static enum rnea_code find(const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
+enum rnea_code relay_kernel(const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
 	const char *which, size_t bytes, struct device_kernel *k, struct rnea_error *e)
 {
 	char name[SOURCE_NAME_LIMIT];
@@ -28,7 +28,7 @@ static enum rnea_code find_hands(struct relay *r, const struct device *d, void *
 	for (r->hand_kernels = 0; r->hand_kernels < RNEA_HANDS_LIMIT && f->hands[r->hand_kernels]; r->hand_kernels++) {
 		if (r->hand_kernels)
 			snprintf(which, sizeof which, "hands%u", r->hand_kernels);
-		if (find(d, module, s, f, which, f->stage_bytes * block, &r->hands[r->hand_kernels], e))
+		if (relay_kernel(d, module, s, f, which, f->stage_bytes * block, &r->hands[r->hand_kernels], e))
 			return e->code;
 	}
 	return RNEA_OK;
@@ -55,7 +55,8 @@ enum rnea_code relay_find(struct relay *r, const struct device *d, void *module,
 		return rnea_error_set(e, RNEA_ARGUMENT,
 			"%s takes %zu bytes of shared memory for a block, and the device has %zu: make the text with --parts 2, or more",
 			f->name, f->relay_bytes, d->most_shared);
-	if (find(d, module, s, f, "start", 0, &r->start, e) || find(d, module, s, f, "solve", f->relay_bytes, &r->solve, e))
+	if (relay_kernel(d, module, s, f, "start", 0, &r->start, e) ||
+		relay_kernel(d, module, s, f, "solve", f->relay_bytes, &r->solve, e))
 		return e->code;
 	r->solve.given_bytes = f->relay_bytes;
 	r->warps = f->relay_warps;

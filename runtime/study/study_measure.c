@@ -96,6 +96,19 @@ static void arrays_gather(const struct arrays *a, const struct judge *j, double 
 	}
 }
 
+/* The errors of these outputs. Returns 0 when memory runs out. */
+static int judge_arrays(const struct judge *j, const struct arrays *a, struct judge_errors *errors)
+{
+	double *out = calloc(j->count, j->rows * sizeof *out);
+
+	if (!out)
+		return 0;
+	arrays_gather(a, j, out);
+	*errors = judge_results(j, out);
+	free(out);
+	return 1;
+}
+
 /* ---- one variant ---- */
 
 static const struct study_backend *backend_of(const struct study *s, const struct study_row *row)
@@ -129,19 +142,15 @@ static enum rneagen_code measure_errors(struct study *s, const struct rnea_robot
 	const struct judge *j = study_judge(s, row->precision);
 	struct arrays a;
 	struct rnea_error e = {0};
-	double *out = j ? calloc(j->count, j->rows * sizeof *out) : NULL;
 
-	if (!out || !arrays_fill(&a, j, &s->analysis.dag, row->layout, j->count)) {
-		free(out);
+	if (!j || !arrays_fill(&a, j, &s->analysis.dag, row->layout, j->count))
 		return error_memory(&s->error);
-	}
 	if (rnea_run(robot, a.data, a.count, &e))
 		study_fail(s, &e);
-	arrays_gather(&a, j, out);
-	row->errors = judge_results(j, out);
+	else if (!judge_arrays(j, &a, &row->errors))
+		error_memory(&s->error);
 	row->model_change = s->model_change;
 	arrays_free(&a);
-	free(out);
 	return s->error.code;
 }
 
@@ -173,17 +182,13 @@ enum rneagen_code study_build(struct study *s, struct study_row *row, struct rne
 /* What was timed may be another kernel than that which the errors are of: a large batch's. */
 static int judge_timed(const struct judge *j, const struct arrays *a, struct judge_errors *errors)
 {
-	double *out = calloc(j->count, j->rows * sizeof *out);
 	struct judge_errors timed;
 
-	if (!out)
+	if (!judge_arrays(j, a, &timed))
 		return 0;
-	arrays_gather(a, j, out);
-	timed = judge_results(j, out);
 	errors->max = fmax(errors->max, timed.max);
 	errors->rms = fmax(errors->rms, timed.rms);
 	errors->terms = fmax(errors->terms, timed.terms);
-	free(out);
 	return 1;
 }
 

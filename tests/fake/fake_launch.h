@@ -1,6 +1,6 @@
 /* Lets a C++ compiler build a whole text of CUDA for the processor, with its NAME_rnea_launch: what that takes of
    CUDA's runtime. Put before the text; FAKE_ENTRY(NAME_rnea_kernel) goes after it, or FAKE_ENTRIES(NAME_rnea_kernel,
-   NAME_rnea_limbs, "NAME_across") with FAKE_WAITS 1, or FAKE_ALIKE. What a device refuses is refused, and stays behind as the thread's
+   NAME_rnea_limbs, "NAME_across") with FAKE_WAITS 1. What a device refuses is refused, and stays behind as the thread's
    last error. */
 #ifndef FAKE_WAITS
 #define FAKE_WAITS 0
@@ -66,15 +66,8 @@ static cudaError_t cudaLaunchKernel(const void *kernel, dim3 grid, dim3 block, v
 	return cudaSuccess;
 }
 
-#define FAKE_ENTRY(only)                                                                                               \
-	static void fake_entry(const void *, void **arguments, unsigned grid, unsigned parts, unsigned block)          \
-	{                                                                                                              \
-		fake_run_serial(only, arguments, grid, parts, block);                                                  \
-	}                                                                                                              \
-	alignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];
-
 /* Of any kernels with the parameters of this one. */
-#define FAKE_ALIKE(one)                                                                                                \
+#define FAKE_ENTRY(one)                                                                                                \
 	static void fake_entry(const void *kernel, void **arguments, unsigned grid, unsigned parts, unsigned block)    \
 	{                                                                                                              \
 		fake_run_serial((decltype(&one))kernel, arguments, grid, parts, block);                                \

@@ -176,7 +176,7 @@ START_TEST(test_launch)
 
 	generate(&SUBJECTS[0], SUBJECTS[0].parts, &t);
 	break_one(&t);
-	library = launch_library(&t, "alone_launch", "", "FAKE_ALIKE(hyq_rnea_kernel)");
+	library = launch_library(&t, "alone_launch", "", "FAKE_ENTRY(hyq_rnea_kernel)");
 	target_symbol(&t, library, "hyq_rnea_launch", &launch);
 	for (size_t count = LEAST - 1; count <= LEAST; count++) {
 		x = launched_run(open_robot(&t, NULL), count, SEED, 1);

@@ -51,19 +51,13 @@ static const char *handed_text(const struct emission *e)
 	return text_string(&t);
 }
 
-/* The main pass, or a part of it for some columns. */
-static int is_of_main(const struct emission *e, const struct pass *p)
-{
-	return p == emit_main(e) || emit_column_part(e, p) >= 0;
-}
-
 static const char *kernel_call(const struct emission *e, const struct work *w, const struct slices *s)
 {
 	int is_soa = e->options->layout == RNEAGEN_SOA;
 	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = s->here, .q = "q_here",
 		.stride = is_soa ? "stride" : "1", .part = w->part, .is_staged = 1, .handed = handed_text(e)};
 	const struct call there = {.indent = "\t", .arguments = emit_params(e, w->pass, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
-		.stride = emit_stride(e), .is_optimistic = is_of_main(e, w->pass) && emit_is_optimistic(e), .part = w->part,
+		.stride = emit_stride(e), .is_optimistic = emit_is_of_main(e, w->pass) && emit_is_optimistic(e), .part = w->part,
 		.handed = handed_text(e)};
 
 	return emit_call(e, w->pass, w->is_staged ? &here : &there);
