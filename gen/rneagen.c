@@ -3,12 +3,11 @@
 #include "rneagen.h"
 #include "base/identifier.h"
 #include "emit/emit.h"
-#include "passes/analysis.h"
 #include "plan/limb_limits.h"
-#include "plan/grid/relay.h"
 #include "plan/lanes/lanes.h"
 #include "plan/segments.h"
 #include "plan/stage.h"
+#include "plan/tiles/tiles.h"
 #include "tell/dot.h"
 #include "tell/dump.h"
 #include "tell/effect.h"
@@ -145,10 +144,11 @@ static enum rneagen_code plan_build_all(struct generation *g)
 static enum rneagen_code parts_choose(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
-	const struct parts_of x = {&g->passes[0], &a->raw, &a->tree, &a->request, &a->options,
-		target_type_of(a->options.target)->kernel != NULL, a->adjust.prune == 0, 0};
+	int has_kernels = target_type_of(a->options.target)->kernel != NULL, is_unpruned = a->adjust.prune == 0;
+	const struct parts_of x = {&g->passes[0], &a->raw, &a->tree, &a->request, &a->options, has_kernels, is_unpruned, 0};
 
-	relay_or_parts(&g->relay, &g->parts, &g->part_count, &x, a->arena, a->error);
+	if (!relay_or_parts(&g->relay, &g->parts, &g->part_count, &x, a->arena, a->error) && !g->relay)
+		tiles_choose(&g->passes[0], g->parts, g->part_count, &x, a->arena, a->error);
 	analysis_free_raw(a);
 	return a->error->code;
 }
@@ -230,7 +230,7 @@ static struct emission new_emission(struct generation *g, const char *told)
 
 	return (struct emission){.tree = &a->tree, .request = &a->request, .scene = &a->scene, .adjust = &a->adjust,
 		.options = &a->options, .passes = g->passes, .pass_count = function_count(g),
-		.parts = g->parts, .part_count = g->part_count, .relay = g->relay,
+		.parts = g->parts, .part_count = g->part_count, .relay = g->relay, .block = "RNEA_BLOCK",
 		.warnings = g->result->warnings, .warning_count = g->result->warning_count,
 		.told = told, .hash = g->hash,
 		.written = arena_alloc(a->arena, EMIT_WRITTEN, sizeof(struct written_number)),

@@ -7,6 +7,8 @@
  *   rnea: 552 mul, 241 add, 131 sub, 132 neg, 749 fma, 27 sincos = 2422 flops
  *   fpass: 710 mul, 236 add, 198 sub, 180 neg, 798 fma, 27 sincos = 2740 flops
  *   bpass: 121 mul, 149 add, 12 sub, 36 neg, 161 fma, 27 sincos = 604 flops
+ * From 540672 samples on atlas_rnea_launch takes atlas_rnea_part0_kernel and so on, one for each part, instead, where
+ * the rows of all arrays begin at multiples of 16 bytes.
  * Up to 1024 samples atlas_rnea_launch takes the kernel atlas_rnea_limbs, whose 4 warps share out each sample.
  *
  * Joints:
@@ -1239,6 +1241,7 @@ static RNEA_INLINE int atlas_rnea_body(const float *q, const float *qd, const fl
 	return all_small;
 }
 
+#if !defined RNEA_ONLY_PART_KERNELS
 /* Out from the base: velocity v, acceleration a and own wrench f = I a + v x* I v of each body.
    known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,
    the results mean nothing.
@@ -3470,6 +3473,7 @@ static RNEA_INLINE int atlas_bpass_body(const float *q, const float *f, float *t
 }
 
 #endif
+#endif
 
 #ifndef RNEAGEN_SINCOSF_CORE
 #define RNEAGEN_SINCOSF_CORE
@@ -3776,6 +3780,8 @@ RNEA_INFO const char atlas_info[] =
 	"input qdd 30 f32 sample joint_acceleration\n"
 	"output tau 30 f32 sample joint_torque\n"
 	"operations 552 241 131 132 749 27\n"
+	"part_kernels 540672 1 64\n"
+	"tiles 0 30 1 30 2 30 3 30\n"
 	"limbs 4 2 2176 1024\n"
 	"function fpass\n"
 	"input q 30 f32 sample joint_position\n"
@@ -3806,6 +3812,153 @@ RNEA_INFO const char atlas_info[] =
 #define RNEA_SINES_BYTES 336
 
 #if !defined RNEA_ONLY_LIMBS
+#if !defined RNEA_NO_PART_KERNELS
+/* Kernels of large batches, of this many samples and more, one for each part, in blocks of so many threads: no two
+   parts then share a
+   multiprocessor. */
+#define RNEA_PART_KERNELS 540672
+#define RNEA_PART_BLOCK 64
+/* Tiles: some rows of a block's samples, which a copy engine moves by a tensor map, from compute capability 9.0 on.
+   Elsewhere the kernels
+   of parts work on the arrays themselves. */
+#if defined __CUDACC_VER_MAJOR__ && __CUDACC_VER_MAJOR__ >= 12
+#define RNEA_GRID_CONSTANT __grid_constant__
+#else
+#define RNEA_GRID_CONSTANT
+#endif
+#ifndef RNEAGEN_TILE_MAP
+#define RNEAGEN_TILE_MAP
+struct __align__(64) rneagen_tile_map { /* a CUtensorMap */
+	unsigned char bytes[128];
+};
+#endif
+struct atlas_tiles {
+	rneagen_tile_map map[4];
+};
+
+#if defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 900 && defined __CUDACC_VER_MAJOR__ && __CUDACC_VER_MAJOR__ >= 12
+#define RNEA_TILES 1
+
+/* The barrier that counts the bytes that have come. */
+static __device__ __forceinline__ unsigned rneagen_tiles_barrier()
+{
+	__shared__ unsigned long long barrier;
+
+	return (unsigned)__cvta_generic_to_shared(&barrier);
+}
+
+static __device__ __forceinline__ void rneagen_tiles_begin(unsigned bytes)
+{
+	asm volatile("mbarrier.init.shared::cta.b64 [%0], 1;\n\tfence.mbarrier_init.release.cluster;" ::"r"(
+		rneagen_tiles_barrier())
+		: "memory");
+	asm volatile("{.reg .b64 state; mbarrier.arrive.expect_tx.shared::cta.b64 state, [%0], %1;}" ::"r"(
+		rneagen_tiles_barrier()),
+		"r"(bytes) : "memory");
+}
+
+static __device__ __forceinline__ void rneagen_tile_in(const void *slice, const rneagen_tile_map *map, int row)
+{
+	asm volatile(
+		"cp.async.bulk.tensor.2d.shared::cluster.global.tile.mbarrier::complete_tx::bytes [%0], [%1, {%2, %3}], [%4];" ::
+		"r"((unsigned)__cvta_generic_to_shared(slice)), "l"(map), "r"(blockIdx.x*RNEA_PART_BLOCK), "r"(row),
+		"r"(rneagen_tiles_barrier()) : "memory");
+}
+
+/* Until all tiles have come. */
+static __device__ __forceinline__ void rneagen_tiles_come()
+{
+	__syncthreads();
+	for (unsigned has_come = 0; !has_come;)
+		asm volatile(
+			"{.reg .pred p; mbarrier.try_wait.parity.shared::cta.b64 p, [%1], 0; selp.u32 %0, 1, 0, p;}"
+			: "=r"(has_come) : "r"(rneagen_tiles_barrier()) : "memory");
+}
+
+/* Until all threads have filled their rows of what goes. */
+static __device__ __forceinline__ void rneagen_tiles_leave()
+{
+	asm volatile("fence.proxy.async.shared::cta;" ::: "memory"); /* what threads stored is there for the engine */
+	__syncthreads();
+}
+
+static __device__ __forceinline__ void rneagen_tile_out(const void *slice, const rneagen_tile_map *map, int row)
+{
+	asm volatile("cp.async.bulk.tensor.2d.global.shared::cta.tile.bulk_group [%0, {%1, %2}], [%3];" ::"l"(map),
+		"r"(blockIdx.x*RNEA_PART_BLOCK), "r"(row), "r"((unsigned)__cvta_generic_to_shared(slice)) : "memory");
+}
+
+/* Until what goes was read. */
+static __device__ __forceinline__ void rneagen_tiles_end()
+{
+	asm volatile("cp.async.bulk.commit_group;\n\tcp.async.bulk.wait_group.read 0;" ::: "memory");
+}
+#elif !defined RNEA_TILES /* who plays the engine defines it, with these functions */
+#define RNEA_TILES 0
+#endif
+extern "C" __global__ void __launch_bounds__(RNEA_PART_BLOCK)
+atlas_rnea_part0_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
+	float *__restrict__ tau, size_t count, const RNEA_GRID_CONSTANT atlas_tiles tiles)
+{
+#if defined __CUDACC_VER_MAJOR__ && __CUDACC_VER_MAJOR__ >= 13 && !defined __CUDACC_RDC__ && !defined __CUDACC_DEBUG__
+	asm volatile(".pragma \"enable_smem_spilling\";"); /* what no register holds goes to shared memory first */
+#endif
+	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */
+
+#if RNEA_TILES
+	__shared__ __align__(128) float slices[RNEA_PART_BLOCK*90];
+	const bool staged = true;
+	float *const q_slice = slices + threadIdx.x, *const qd_slice = q_slice + RNEA_PART_BLOCK*30, *const qdd_slice
+		= qd_slice + RNEA_PART_BLOCK*30; /* this thread's rows */
+
+	if (k - threadIdx.x >= count) /* an empty batch has no maps */
+		return;
+	if (threadIdx.x == 0) {
+		rneagen_tiles_begin(RNEA_PART_BLOCK*360);
+		rneagen_tile_in(q_slice, &tiles.map[0], 0);
+		rneagen_tile_in(qd_slice, &tiles.map[1], 0);
+		rneagen_tile_in(qdd_slice, &tiles.map[2], 0);
+	}
+	rneagen_tiles_come();
+	const float *const q_here = staged ? q_slice : q + k;
+	const float *const qd_here = staged ? qd_slice : qd + k;
+	const float *const qdd_here = staged ? qdd_slice : qdd + k;
+	float *const tau_here = staged ? qdd_slice : tau + k;
+
+	if (k < count) {
+		float sines[54];
+		int known = !atlas_is_small(q_here, RNEA_PART_BLOCK);
+
+		if (known)
+			atlas_rnea_sines(q + k, count, sines);
+#if defined __CUDA_ARCH__
+		asm volatile("" : "+r"(known)); /* what asks for it comes after the sines */
+#endif
+		atlas_rnea_body(q_here, qd_here, qdd_here, tau_here, RNEA_PART_BLOCK, known, sines);
+	}
+	rneagen_tiles_leave();
+	if (threadIdx.x == 0) {
+		rneagen_tile_out(qdd_slice, &tiles.map[3], 0);
+		rneagen_tiles_end();
+	}
+#else
+	if (k >= count)
+		return;
+	float sines[54];
+	int known = !atlas_is_small(q + k, count);
+
+	if (known)
+		atlas_rnea_sines(q + k, count, sines);
+#if defined __CUDA_ARCH__
+	asm volatile("" : "+r"(known)); /* what asks for it comes after the sines */
+#endif
+	atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, known, sines);
+#endif
+}
+
+
+#endif
+#if !defined RNEA_ONLY_PART_KERNELS
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
 atlas_rnea_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
 	float *__restrict__ tau, size_t count)
@@ -3862,6 +4015,7 @@ atlas_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, flo
 	atlas_bpass_body(q + k, f + k, tau + k, count, known, sines);
 }
 
+#endif
 #endif
 #if !defined RNEA_NO_LIMBS
 /* ---- small batches: warps share out each sample, a lane's, between them ---- */
@@ -5414,6 +5568,63 @@ atlas_rnea_limbs(const float *__restrict__ q, const float *__restrict__ qd, cons
 #endif
 
 #if !defined __CUDACC_RTC__
+#if !defined RNEA_NO_PART_KERNELS
+#if CUDART_VERSION >= 12000
+#include <cuda.h>
+
+static int rneagen_make_tile(rneagen_tile_map *map, void *array, size_t count, unsigned rows, unsigned tile)
+{
+	typedef CUresult encode(CUtensorMap *, CUtensorMapDataType, cuuint32_t, void *, const cuuint64_t *,
+		const cuuint64_t *,
+		const cuuint32_t *, const cuuint32_t *, CUtensorMapInterleave, CUtensorMapSwizzle,
+			CUtensorMapL2promotion,
+		CUtensorMapFloatOOBfill);
+	const cuuint64_t size[] = {count, rows}, pitch[] = {count*sizeof(float)};
+	const cuuint32_t box[] = {RNEA_PART_BLOCK, tile}, step[] = {1, 1};
+	cudaDriverEntryPointQueryResult found;
+	void *entry = nullptr;
+#if CUDART_VERSION >= 12050
+	const cudaError_t status = cudaGetDriverEntryPointByVersion("cuTensorMapEncodeTiled", &entry, 12000,
+		cudaEnableDefault, &found);
+#else
+	const cudaError_t status = cudaGetDriverEntryPoint("cuTensorMapEncodeTiled", &entry, cudaEnableDefault, &found);
+#endif
+
+	return status == cudaSuccess && found == cudaDriverEntryPointSuccess &&
+		((encode *)entry)((CUtensorMap *)map, CU_TENSOR_MAP_DATA_TYPE_FLOAT32, 2, array, size, pitch, box, step,
+			CU_TENSOR_MAP_INTERLEAVE_NONE, CU_TENSOR_MAP_SWIZZLE_NONE, CU_TENSOR_MAP_L2_PROMOTION_NONE,
+			CU_TENSOR_MAP_FLOAT_OOB_FILL_NONE) == CUDA_SUCCESS;
+}
+#endif
+
+/* The maps of the tiles. Returns 0 where a kernel of a part cannot run: the rows of an array do not begin at multiples
+   of 16 bytes. */
+static int atlas_make_tiles(atlas_tiles *tiles, void *const *arguments, size_t count)
+{
+	static const struct {
+		unsigned argument, rows, tile;
+	} each[] = {{0, 30, 30}, {1, 30, 30}, {2, 30, 30}, {3, 30, 30}};
+	int device, major;
+
+	if (cudaGetDevice(&device) != cudaSuccess ||
+		cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device) != cudaSuccess)
+		return 0;
+	if (major < 9) /* the kernels read no maps there */
+		return 1;
+#if CUDART_VERSION >= 12000
+	if (count > 0x7fffffff - RNEA_PART_BLOCK)
+		return 0;
+	for (unsigned i = 0; i < sizeof each/sizeof *each; i++)
+		if (!rneagen_make_tile(&tiles->map[i], *(void **)arguments[each[i].argument], count, each[i].rows,
+			each[i].tile))
+			return 0;
+#else
+	(void)tiles, (void)arguments, (void)count, (void)each;
+#endif
+	return 1;
+}
+#endif
+
 /* Run the kernel on device pointers in the caller's stream (a cudaStream_t); returns the cudaError_t. */
 extern "C" int atlas_rnea_launch(const float *q, const float *qd, const float *qdd, float *tau, size_t count,
 	void *stream)
@@ -5434,6 +5645,21 @@ extern "C" int atlas_rnea_launch(const float *q, const float *qd, const float *q
 #endif
 	if (blocks > 0x7fffffff)
 		return cudaErrorInvalidValue;
+#if !defined RNEA_NO_PART_KERNELS
+	atlas_tiles tiles;
+
+	if (count >= RNEA_PART_KERNELS && atlas_make_tiles(&tiles, arguments, count)) {
+		const void *const kernels[] = {(const void *)atlas_rnea_part0_kernel};
+		const unsigned grid = (unsigned)(count/RNEA_PART_BLOCK + (count%RNEA_PART_BLOCK != 0));
+		void *own[] = {&q, &qd, &qdd, &tau, &count, &tiles};
+		int status = cudaSuccess;
+
+		for (int i = 0; i < 1 && status == cudaSuccess; i++)
+			status = cudaLaunchKernel(kernels[i], dim3(grid), dim3(RNEA_PART_BLOCK), own, 0,
+				(cudaStream_t)stream);
+		return status;
+	}
+#endif
 	return cudaLaunchKernel((const void *)atlas_rnea_kernel, dim3((unsigned)blocks), dim3(RNEA_BLOCK),
 		arguments, 0, (cudaStream_t)stream);
 }

@@ -181,6 +181,12 @@ struct rnea_limbs {
 	unsigned parts;  /* of its grid along y */
 };
 
+/* Of a function's arguments the one that is moved by so many rows at once. */
+struct rnea_tile {
+	unsigned argument, rows;
+};
+enum { RNEA_TILE_LIMIT = 28 };
+
 /* One function of the text, by which rnea_launch_kernel launches it. A text without a scene has "rnea", tau = ID(q, qd, qdd),
    and its halves: "fpass", q, qd, qdd -> v, a, f, the twists, accelerations and wrenches of the bodies, 6 nb rows each; and
    "bpass", q, f -> tau. A text with inputs or outputs of a scene's has "rnea" alone. */
@@ -212,11 +218,15 @@ struct rnea_function {
 	   own rnea_launch and rnea_run launch NAME_FUNCTION_hands_kernel, then NAME_FUNCTION_hands1_kernel and so on, in the same blocks
 	   with the same shared memory, and so many along y of each; 0: there is no such kernel, and none after it */
 	unsigned hands[RNEA_HANDS_LIMIT];
-	/* Of matrices in parts: from so many samples on rnea_launch launches, instead of the kernel with all parts along y,
-	   NAME_FUNCTION_part0_kernel, NAME_FUNCTION_part1_kernel and so on, one for each of `parts`, with the same parameters, in blocks of
-	   as many threads as were asked for, or as the text says, one along y; 0: never, there are no such kernels, or they did not
-	   compile. The slices of rnea_run are smaller */
+	/* From so many samples on rnea_launch launches, instead of the kernel with all parts along y, NAME_FUNCTION_part0_kernel,
+	   NAME_FUNCTION_part1_kernel and so on, part_count of them, in blocks of part_block threads, one along y, for as many samples; 0:
+	   never, there are no such kernels, or they did not compile. The slices of rnea_run are smaller. Where there are tiles, one
+	   parameter more comes last: a struct of as many tensor maps (CUtensorMap), of 2 dimensions, samples and rows, with boxes of
+	   part_block samples and so many rows. From compute capability 9.0 on rows have to begin at multiples of 16 bytes for that: else
+	   the other kernel runs */
 	size_t part_kernels;
+	unsigned part_count, part_block, tile_count;
+	struct rnea_tile tiles[RNEA_TILE_LIMIT];
 };
 
 /* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. What stands here of

@@ -285,6 +285,8 @@ static void put_lanes(const struct emission *e, struct text *out)
 
 static void put_bodies(const struct emission *e, struct text *out)
 {
+	int is_whole = !e->part_count && emit_alone_least(e) > 0; /* a kernel of large batches is of the whole */
+
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	text_put(out, emit_has_segments(e) ? template_independent_in : "");
 	if (e->lanes)
@@ -293,6 +295,8 @@ static void put_bodies(const struct emission *e, struct text *out)
 		emit_columns_macros(e, out);
 	for (int i = 0; i < e->part_count; i++)
 		put_body(e, &e->parts[i].pass, out);
+	if (is_whole)
+		put_pass(e, emit_main(e), out);
 	text_put(out, emit_alone_least(e) ? EMIT_UNLESS_ALONE : "");
 	for (int i = 0; e->relay && i < e->relay->start_count; i++)
 		put_body(e, &e->relay->starts[i].pass, out);
@@ -303,7 +307,7 @@ static void put_bodies(const struct emission *e, struct text *out)
 	for (int i = 0; i < e->pass_count; i++)
 		if (i == 0 && e->part_count)
 			emit_dispatcher(e, out);
-		else
+		else if (i || !is_whole)
 			put_pass(e, &e->passes[i], out);
 	text_put(out, emit_alone_least(e) ? "#endif\n" : "");
 	text_put(out, emit_has_limbs(e) ? "#endif\n" : "");
@@ -332,7 +336,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"IS_SMALL", emit_unless_limbs(e, emit_is_small(e))}, {"JOINTS", emit_joints(e)},
 		{"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)}, {"STORE", emit_store(e)},
 		{"LAUNCH_HEAD", emit_launch_head(e)}, {"LAUNCH_HANDS", emit_launch_hands(e)},
-		{"LAUNCH_RELAY", emit_launch_relay(e)}, {"LAUNCH_ALONE", emit_launch_alone(e)},
+		{"LAUNCH_RELAY", emit_launch_relay(e)}, {"LAUNCH_ALONE", emit_launch_alone(e)}, {"TILES_LAUNCH", emit_tiles_launch(e)},
 		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e, "kernel")}, {"LAUNCH_LIMBS", emit_launch_limbs(e)},
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},

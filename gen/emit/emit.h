@@ -24,6 +24,7 @@ struct emission {
 	const char *const *warnings;
 	size_t warning_count;
 	const char *told; /* lines of the comment at the head: what the scene made of the robot; NULL: none */
+	const char *block; /* the macro of how many samples a slice has */
 	const char *hash; /* SHA-256 of the URDF, in hex */
 	struct arena *arena;
 	struct rneagen_error *error;
@@ -314,11 +315,11 @@ const char *emit_along(const struct emission *e, int parts);
 void emit_dispatcher(const struct emission *e, struct text *out);
 void emit_put_sample_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out);
 
-/* Parameters of the body of a part that come after the stride, each after a comma, and what a call gives for them: how many rows are
-   left out of its slices, how much further a vjp goes on from one place to the next, and where hands have left something, with the
+/* Parameters of the body of a part that come after the stride, each after a comma, and what a call gives for them: the stride of inputs, how
+   many rows are left out of its slices, how much further a vjp goes on from one place to the next, and where hands have left something, with the
    stride there. The first of these alone. Launches the kernels of the hands. */
 const char *emit_more_params(const struct emission *e, const struct pass *p);
-const char *emit_more(const struct emission *e, const struct pass *p, int is_staged, const char *handed);
+const char *emit_more(const struct emission *e, const struct pass *p, int is_staged, const char *inner, const char *handed);
 const char *emit_gap(const struct emission *e, const struct pass *p, int is_staged);
 const char *emit_launch_hands(const struct emission *e);
 
@@ -339,8 +340,26 @@ const char *emit_unless_limbs(const struct emission *e, const char *what);
    themselves, with a guard of all that follows, and their launch. */
 #define EMIT_UNLESS_ALONE "#if !defined RNEA_ONLY_PART_KERNELS\n"
 int emit_alone_least(const struct emission *e);
+int emit_alone_count(const struct emission *e);
+const struct pass *emit_alone_pass(const struct emission *e, int part);
+const char *emit_alone_name(const struct emission *e, int part);
+int emit_alone_block(const struct emission *e);
+void emit_alone_kernel(const struct emission *e, int part, struct text *out);
 void emit_alone(const struct emission *e, struct text *out);
 const char *emit_launch_alone(const struct emission *e);
+
+/* Those of them that move tiles (emit_tiles.c): are there any; what they call; what their launch does before; their line of the table;
+   one of them, which has `direct` to do where there is no engine. */
+struct tiled_kernel {
+	const struct pass *pass;
+	const struct part *part; /* NULL: it is none that has slices of its own */
+	const char *name, *handed, *spill, *zeros, *direct;
+};
+int emit_has_tiles(const struct emission *e);
+void emit_tiles(const struct emission *e, struct text *out);
+const char *emit_tiles_launch(const struct emission *e);
+void emit_info_tiles(const struct emission *e, struct text *out);
+void emit_tiled_kernel(const struct emission *e, const struct tiled_kernel *k, struct text *out);
 
 /* The kernel NAME_PASS_kernel. Where it may spill to shared memory, the line that says so. Kernels whose outputs leave through
    windows, and these. */
@@ -388,6 +407,11 @@ struct slices {
 int emit_is_joined(const struct emission *e);
 int emit_moves_some(const struct emission *e);
 struct slices emit_slices(const struct emission *e, const struct part *part);
+
+/* Rows on from where the place of an argument begins, where its k-th stretch does, or a vjp's first row. */
+int emit_slot(const struct part *part, const struct dag *d, int argument, int k);
+int emit_divided_slot(const struct stretches *s);
+
 const char *emit_slices_declaration(const struct emission *e);
 
 /* What the main kernel takes of a multiprocessor. Threads of a block; blocks that have room, an expression of RNEA_BLOCK. */
@@ -407,21 +431,20 @@ int emit_window_bytes(const struct emission *e);
 /* Are its inputs asked for in advance? Has it more values at once than registers, so that it spills to shared memory? Does a sample's first
    run stand unless an angle turns out to be large? Not where that run fills the registers. */
 int emit_is_prefetched(const struct emission *e);
-
-/* How many lines before it is read for the first time does a body ask for an input? 0: it does not. */
-int emit_lines_ahead(const struct emission *e, const struct pass *p);
 int emit_is_full(const struct emission *e);
 int emit_is_optimistic(const struct emission *e);
 
 /* A call of a body. */
 struct call {
 	const char *indent, *arguments, *q, *stride;
+	const char *q_stride; /* NULL: stride */
 	int is_any;        /* the sines of all angles come first, as on a processor; else only where one is large */
 	/* in a kernel, on sample k: they come where one turned out to be large, and the body then runs again */
 	int is_optimistic;
 	/* of a kernel that has slices of its own; NULL: the whole. The sines of all angles are then made of the array itself */
 	const struct part *part;
 	int is_staged;       /* of a part: see emit_more */
+	int is_tiled;        /* inputs are in tiles */
 	const char *handed;
 };
 

@@ -3,6 +3,7 @@
 #include "emit/emit.h"
 #include "base/template.h"
 #include "emit/unparse.h"
+#include "plan/tiles/tiles.h"
 
 int emit_has_known(const struct emission *e)
 {
@@ -223,7 +224,7 @@ static const char *stride_text(const struct emission *e, const struct pass *p, c
 	struct text t;
 
 	text_init(&t, e->arena);
-	text_printf(&t, "%s%s", c->stride, c->part ? emit_more(e, p, c->is_staged, c->handed) : "");
+	text_printf(&t, "%s%s", c->stride, emit_more(e, p, c->is_staged, c->is_tiled ? c->q_stride : c->stride, c->handed));
 	return text_string(&t);
 }
 
@@ -231,7 +232,7 @@ static const char *call_expanded(const struct emission *e, const struct pass *p,
 	const struct call *c)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"INDENT", c->indent},
-		{"Q", c->part ? emit_q_at_sample(e) : c->q}, {"Q_STRIDE", c->part ? emit_stride(e) : c->stride},
+		{"Q", c->part || c->is_tiled ? emit_q_at_sample(e) : c->q}, {"Q_STRIDE", c->part || c->is_tiled ? emit_stride(e) : c->stride},
 		{"TABLE", table_of(e, p)->algorithm->name},
 		{"STRIDE", stride_text(e, p, c)}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
 		{"ASKED", asked}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "")},
@@ -246,8 +247,8 @@ static const char *call_expanded(const struct emission *e, const struct pass *p,
 const char *emit_call(const struct emission *e, const struct pass *p, const struct call *c)
 {
 	struct text asked;
-	int is_part = c->part != NULL, has_gap = is_part && c->part->pass.stretches->own[0][1].rows > 0;
-	int is_own = is_part || (emit_asks_by_parts(e) && emit_is_of_main(e, p));
+	int is_own = c->part || (emit_asks_by_parts(e) && emit_is_of_main(e, p));
+	int has_gap = is_own && tiles_rows(p) && tiles_rows(p)->own[0][1].rows > 0;
 
 	if (!emit_has_known(e) || !emit_has_angles(e, p))
 		return body_call(e, p, c->indent, c->arguments, stride_text(e, p, c), emit_handed_on(e, emit_unknown_names(e)));
@@ -257,7 +258,7 @@ const char *emit_call(const struct emission *e, const struct pass *p, const stru
 		return call_expanded(e, p, e->target->kernel->again, "", c);
 	text_init(&asked, e->arena);
 	text_printf(&asked, e->target->kernel ? "!%s%s%s_is_small(%s, %s%s%s)" : "RNEA_KNOWN(%s%s%s_is_small(%s, %s%s%s))",
-		e->options->name, is_own ? "_" : "", is_own ? p->algorithm->name : "", c->q, c->stride, has_gap ? ", " : "",
+		e->options->name, is_own ? "_" : "", is_own ? p->algorithm->name : "", c->q, c->q_stride ? c->q_stride : c->stride, has_gap ? ", " : "",
 		has_gap ? emit_gap(e, p, c->is_staged) : "");
 	return call_expanded(e, p, template_call_known_in, text_string(&asked), c);
 }

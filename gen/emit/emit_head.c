@@ -329,8 +329,9 @@ static void put_operations(const struct emission *e, struct text *out)
 		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for %s.\n", emit_main(e)->algorithm->name,
 			e->part_count - emit_hands(e), emit_is_apart(e) ? "limbs that share nothing with the others" : "the elements of some joints");
 	if (emit_alone_least(e))
-		text_printf(out, " *   From %d samples on %s_%s_launch takes %s_%s_part0_kernel and so on, one for each part, instead.\n",
-			emit_alone_least(e), e->options->name, emit_main(e)->algorithm->name, e->options->name, emit_main(e)->algorithm->name);
+		text_printf(out, " * From %d samples on %s_%s_launch takes %s_%s_part0_kernel and so on, one for each part, instead%s.\n",
+			emit_alone_least(e), e->options->name, emit_main(e)->algorithm->name, e->options->name, emit_main(e)->algorithm->name,
+			emit_has_tiles(e) ? ", where\n * the rows of all arrays begin at multiples of 16 bytes" : "");
 	if (emit_joints_again(e))
 		text_printf(out, " * The %s kernel makes some motion again, by stretches of at most %d joints, instead of keeping it.\n",
 			emit_main(e)->algorithm->name, emit_joints_again(e));

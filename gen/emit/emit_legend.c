@@ -1,5 +1,6 @@
 /* What the names in the statements mean: of each kind that this text uses, a line in its head. */
 #include "emit/emit.h"
+#include "plan/tiles/tiles.h"
 #include "plan/grid/parts.h"
 #include <ctype.h>
 #include <string.h>
@@ -149,6 +150,19 @@ static void put_quantities(const struct emission *e, struct text *out)
 		put_entry("..._2 ..._3", "the same quantity again, as it grows or in another part of the text", out);
 }
 
+static int has_period(const struct pass *p)
+{
+	return p->stretches && p->stretches->period;
+}
+
+static int has_part(const struct emission *e, int (*is)(const struct pass *p))
+{
+	for (int i = 0; i < e->part_count; i++)
+		if (is(&e->parts[i].pass))
+			return 1;
+	return 0;
+}
+
 static void put_functions(const struct emission *e, struct text *out)
 {
 	const struct dag *d = &emit_main(e)->dag;
@@ -159,7 +173,9 @@ static void put_functions(const struct emission *e, struct text *out)
 	if (emit_hands(e))
 		put_entry("handed gap step",
 			"what hands left in the last array; rows that a part's slice lacks; from a row of handed to the next", out);
-	if (emit_is_apart(e) && e->parts->pass.stretches->period)
+	if (has_part(e, tiles_are_inputs))
+		put_entry("inner", "from one row of an input to the next, which may be in a tile", out);
+	if (has_part(e, has_period))
 		put_entry("skip", "from one row of the vjp to its next for qd, or qdd, where it stands where these were", out);
 	if (emit_loops(e))
 		put_entry("each ..._each", "in a loop over limbs that are alike, which of them it is; an array where the limb's rows begin", out);

@@ -1,4 +1,5 @@
 #include "emit/unparse.h"
+#include "plan/tiles/tiles.h"
 #include "base/fold.h"
 #include "plan/readings.h"
 #include "plan/stretch.h"
@@ -331,7 +332,6 @@ void unparse_lines(struct writer *w, const struct plan *p, struct text *out)
 {
 	for (size_t i = 0; i < p->line_count; i++) {
 		emit_each_before(&w->own, p, i, out);
-		unparse_asks(&w->own, p, i, out);
 		put_line(&w->own, &p->lines[i], out);
 	}
 	emit_each_before(&w->own, p, p->line_count, out);
@@ -384,7 +384,7 @@ void unparse(const struct emission *e, const struct pass *pass, const struct num
 	unparse_within(&w, &pass->plan);
 	w.own.table = table;
 	w.own.zeros = unless ? ZEROS_LEFT : ZEROS_AMONG;
-	w.own.ahead = (size_t)emit_lines_ahead(e, pass);
+	w.own.has_inner = tiles_are_inputs(pass);
 	unparse_lines(&w, &pass->plan, out);
 	if (pass->windows.slots && !numbers->is_beside)
 		emit_put_flush(e, pass, pass->windows.flush_count - 1, out);

@@ -24,8 +24,8 @@ struct unparser {
 	int loop; /* over limbs, which the lines are in, from 1; 0: none (kernels/emit_each.c) */
 	int is_over_columns; /* lines of a loop over columns, on a processor */
 	struct numbers *table; /* of constants, in the order in which they are met (kernels/emit_numbers.c); NULL: they stand in the code */
-	size_t ahead; /* so many lines before it is read an input is asked for; 0: it is not */
 	struct angles sines; /* where the table of known ones has them */
+	int has_inner; /* rows of inputs have a stride of their own, `inner` (plan/tiles/tiles.h) */
 	size_t sections; /* so many of the plan's DAG are behind */
 	unsigned char written[SECTION_COUNT][5]; /* whose formula stands there already: section.c */
 };
@@ -65,8 +65,6 @@ void emit_put_lanes(const struct unparser *u, const struct node *n, struct text 
    samples share. */
 void unparse_index(const char *array, unsigned i, const char *step, struct text *out);
 void unparse_element(const struct unparser *u, int argument, int row, struct text *out);
-/* What is asked for before a line. */
-void unparse_asks(const struct unparser *u, const struct plan *lines, size_t line, struct text *out);
 /* The same of the limb whose turn it is in a loop: the row is the first limb's. */
 void unparse_element_each(const struct unparser *u, int argument, int row, struct text *out);
 

@@ -1,6 +1,6 @@
 /* Rows of arrays. */
 #include "emit/unparse.h"
-#include "plan/stretch.h"
+#include "plan/tiles/tiles.h"
 #include <stdio.h>
 
 void unparse_index(const char *array, unsigned i, const char *step, struct text *out)
@@ -24,16 +24,17 @@ static void put_divided(const struct stretches *s, const char *array, int row, s
 
 static void put_row(const struct unparser *u, const char *array, int argument, int row, struct text *out)
 {
-	const struct stretches *s = u->pass->stretches;
+	const struct stretches *s = u->has_inner ? u->pass->tiles : u->pass->stretches;
+	int is_inner = u->has_inner && !u->plan->dag->arguments[argument].is_output;
 
 	if (u->plan->dag->arguments[argument].per_batch || u->numbers->is_beside)
 		text_printf(out, "%s[%d]", array, row);
 	else if (s && s->period && argument == s->divided && row >= s->period)
 		put_divided(s, array, row, out);
-	else if (s && s->gap && row >= s->second)
-		text_printf(out, "%s[(%d - gap)*stride]", array, row);
+	else if (s && s->gap && row >= s->second && (is_inner || !u->has_inner))
+		text_printf(out, "%s[(%d - gap)*%s]", array, row, is_inner ? "inner" : "stride");
 	else
-		unparse_index(array, (unsigned)row, "stride", out);
+		unparse_index(array, (unsigned)row, is_inner ? "inner" : "stride", out);
 }
 
 void unparse_element(const struct unparser *u, int argument, int row, struct text *out)
@@ -49,19 +50,4 @@ void unparse_element_each(const struct unparser *u, int argument, int row, struc
 
 	snprintf(array, sizeof array, "%.70s" EMIT_EACH, u->plan->dag->arguments[argument].name);
 	put_row(u, array, argument, row, out);
-}
-
-void unparse_asks(const struct unparser *u, const struct plan *p, size_t line, struct text *out)
-{
-	size_t end = u->ahead && u->zeros != ZEROS_ALONE ? line + u->ahead + 1 : 0;
-
-	for (size_t i = line ? line + u->ahead : 0; i < end && i < p->line_count; i++) {
-		const struct node *n = &p->dag->nodes[p->lines[i].value.i];
-
-		if (p->lines[i].kind != LINE_INPUT || p->dag->arguments[n->arg[0].i].per_batch)
-			continue;
-		text_put(out, "\tRNEA_ASK(");
-		unparse_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
-		text_put(out, ");\n");
-	}
 }

@@ -87,6 +87,7 @@ struct pass {
 	const struct pass *each;   /* of a part of a kernel: the same with loops over alike limbs, which its text then has; NULL: none */
 	const struct each *loops;  /* of such a pass */
 	const struct stretches *stretches; /* of a part that shares nothing with the others (grid/apart.h): its rows; NULL: it may */
+	const struct stretches *tiles;     /* what a kernel of large batches moves by tensor maps (tiles/tiles.h); NULL: it has none */
 	const struct pass *beside; /* target C: what a call for one sample runs, in lanes (lanes/lanes.h), where compilers have vectors */
 	int lanes_in_batches;      /* so does what a batch leaves over: nothing promises its bits */
 	const struct pass *single; /* target C: in segments too, and what a call for one sample runs instead; NULL: nothing else */

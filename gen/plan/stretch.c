@@ -22,13 +22,13 @@ static int is_read(const struct dag *d, const struct node *n)
 	return n->op == OP_INPUT && !d->arguments[n->arg[0].i].is_output;
 }
 
-/* By row: is it touched, in any array? Returns how many rows there are; 0 where arrays have different ones, or too many. */
-static int mark_rows(const struct dag *d, unsigned char *touched)
+/* By row: is it touched, in any array that has stretches? Returns how many rows there are; 0 where arrays have different ones, or too many. */
+static int mark_rows(const struct stretches *s, const struct dag *d, unsigned char *touched)
 {
 	int rows = 0;
 
 	for (int i = 0; i < d->argument_count; i++) {
-		if (d->arguments[i].per_batch)
+		if (d->arguments[i].per_batch || (s->has_inputs_alone && d->arguments[i].is_output))
 			continue;
 		if ((rows && d->arguments[i].rows != rows) || d->arguments[i].rows > ROWS)
 			return 0;
@@ -38,7 +38,7 @@ static int mark_rows(const struct dag *d, unsigned char *touched)
 	for (size_t i = 0; i < d->count; i++)
 		if (is_read(d, &d->nodes[i]) && !d->arguments[d->nodes[i].arg[0].i].per_batch)
 			touched[d->nodes[i].arg[1].i] = 1;
-	for (size_t i = 0; i < d->output_count; i++)
+	for (size_t i = 0; i < d->output_count && !s->has_inputs_alone; i++)
 		touched[d->outputs[i].row] = 1;
 	return rows;
 }
@@ -47,7 +47,7 @@ static int mark_rows(const struct dag *d, unsigned char *touched)
 static void find_gap(struct stretches *s, const struct dag *d)
 {
 	unsigned char touched[ROWS];
-	int rows = mark_rows(d, touched), last = -1;
+	int rows = mark_rows(s, d, touched), last = -1;
 
 	for (int row = 0; row < rows; row++) {
 		int gap = row - last - 1;
@@ -150,6 +150,8 @@ static void place_own(struct stretches *s, const struct dag *d)
 		if (!s->period || i != s->divided)
 			widen_by(s, s->place[s->place_of[i]], s->own[i]);
 	for (int i = 0; i < d->argument_count && s->gap; i++) { /* so that the gap of all arrays is the same */
+		if (s->has_inputs_alone && d->arguments[i].is_output)
+			continue;
 		widen(s, s->place[i], s->second - s->gap - 1);
 		widen(s, s->place[i], s->second);
 	}
@@ -172,6 +174,18 @@ void stretches_make_whole(struct stretches *s, const struct dag *d, int nv)
 	find_places(s, d, nv);
 	for (int i = 0; i < d->argument_count; i++)
 		s->own[i][0] = (struct stretch){0, s->period && i == s->divided ? s->period : d->arguments[i].rows};
+	place_own(s, d);
+}
+
+void stretches_make_inputs(struct stretches *s, const struct dag *d)
+{
+	*s = (struct stretches){.has_inputs_alone = 1};
+	for (int i = 0; i < d->argument_count; i++)
+		s->place_of[i] = i;
+	find_gap(s, d);
+	for (size_t i = 0; i < d->count; i++)
+		if (is_read(d, &d->nodes[i]))
+			widen(s, s->own[d->nodes[i].arg[0].i], (int)d->nodes[i].arg[1].i);
 	place_own(s, d);
 }
 

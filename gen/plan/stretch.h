@@ -22,6 +22,7 @@ struct stretches {
 	int place_of[DAG_ARGUMENTS]; /* whose place an array takes; the vjp's first period that of the first array */
 	int second; /* with a gap: rows from this one on are of second stretches */
 	int gap;    /* rows between both; in shared memory there are none. 0: all is in the first ones */
+	int has_inputs_alone; /* what is written goes to the arrays themselves */
 	struct stretch own[DAG_ARGUMENTS][STRETCHES];   /* of each array, or of each period; what nothing is read of has one row */
 	struct stretch place[DAG_ARGUMENTS][STRETCHES]; /* the same where it stands in shared memory: tau in the place of qdd */
 };
@@ -32,6 +33,9 @@ void stretches_make(struct stretches *s, const struct dag *d, int nv);
 
 /* The same of a part that has all rows of each array. */
 void stretches_make_whole(struct stretches *s, const struct dag *d, int nv);
+
+/* Of a part of matrices the rows of inputs alone. */
+void stretches_make_inputs(struct stretches *s, const struct dag *d);
 
 /* Does the part write every row of its stretches of outputs? */
 int stretches_are_written(const struct stretches *s, const struct dag *d);

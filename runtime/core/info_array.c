@@ -122,3 +122,24 @@ enum rnea_code info_row(struct parser *p)
 	}
 	return RNEA_OK;
 }
+
+enum rnea_code info_count(struct parser *p, unsigned *value, size_t least, size_t most)
+{
+	size_t count = 0;
+
+	words_number(&p->w, &count, least, most);
+	*value = (unsigned)count;
+	return p->w.error->code;
+}
+
+enum rnea_code info_tiles(struct parser *p)
+{
+	struct rnea_function *f = p->f;
+
+	if (!f->output_count)
+		return words_damaged(&p->w, "tiles come after the arrays", NULL);
+	while (!info_count(p, &f->tiles[f->tile_count].argument, 0, f->input_count + f->output_count - 1) &&
+		!info_count(p, &f->tiles[f->tile_count].rows, 1, TILE_ROWS_LIMIT) && ++f->tile_count < RNEA_TILE_LIMIT && p->w.line)
+		;
+	return p->w.error->code;
+}

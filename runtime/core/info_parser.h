@@ -9,7 +9,7 @@
 enum { VERSION = 1, VERSION_PARTS = 2, VERSION_FUNCTIONS = 3, VERSION_RELAY = 4, VERSION_HANDS = 5, VERSION_STARTS = 6, VERSION_LEVELS = 7,
 	BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535,
 	STAGE_LIMIT = 48 << 10, SAMPLES_LIMIT = 32, LIMBS_LIMIT = 16, GROUPS_LIMIT = 4, RELAY_LIMIT = 32,
-	GIVEN_LIMIT = 227 << 10, ROOM_LIMIT = 1 << 16 };
+	PART_BLOCK_LIMIT = 256, TILE_ROWS_LIMIT = 256, GIVEN_LIMIT = 227 << 10, ROOM_LIMIT = 1 << 16 };
 
 /* The keys that stand once: in the text; from KEY_OPERATIONS on for each function. */
 enum key {
@@ -35,6 +35,7 @@ enum key {
 	KEY_WHOLE_LIMBS,
 	KEY_HANDS,
 	KEY_PART_KERNELS,
+	KEY_TILES,
 	KEY_COUNT
 };
 
@@ -56,10 +57,16 @@ struct parser {
 /* "f32" or "f64". */
 enum rnea_code info_scalar(struct parser *p, enum rnea_scalar *scalar);
 
+/* A number that is no size, between limits. */
+enum rnea_code info_count(struct parser *p, unsigned *value, size_t least, size_t most);
+
 /* The rest of a line `input`, `output`, `matrix` or `row`. */
 enum rnea_code info_argument(struct parser *p, int is_output);
 enum rnea_code info_matrix(struct parser *p);
 enum rnea_code info_row(struct parser *p);
+
+/* Of a line `tiles`: an argument and a number of rows for each, to its end. */
+enum rnea_code info_tiles(struct parser *p);
 
 /* How many elements of the matrix have been read. */
 size_t info_stored(const struct parser *p, const struct rnea_matrix *m);

@@ -6,7 +6,7 @@
 
 static const char *const keys[KEY_COUNT] = {"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv",
 	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs", "relay", "start_limbs", "start_parts",
-	"whole_limbs", "hands", "part_kernels"};
+	"whole_limbs", "hands", "part_kernels", "tiles"};
 
 static enum rnea_code read_joint(struct parser *p)
 {
@@ -47,20 +47,11 @@ static enum rnea_code read_kernels(struct parser *p)
 	return RNEA_OK;
 }
 
-static enum rnea_code read_count(struct parser *p, unsigned *value, size_t least, size_t most)
-{
-	size_t count = 0;
-
-	words_number(&p->w, &count, least, most);
-	*value = (unsigned)count;
-	return p->w.error->code;
-}
-
 /* `parts`: along y of its grid; 0: as many as the function has, which may be told later. */
 static enum rnea_code read_limbs(struct parser *p, struct rnea_limbs *l, unsigned parts)
 {
 	l->parts = parts;
-	if (read_count(p, &l->warps, 2, LIMBS_LIMIT) || read_count(p, &l->groups, 1, GROUPS_LIMIT) ||
+	if (info_count(p, &l->warps, 2, LIMBS_LIMIT) || info_count(p, &l->groups, 1, GROUPS_LIMIT) ||
 		words_number(&p->w, &l->bytes, 0, STAGE_LIMIT / l->groups))
 		return p->w.error->code;
 	return words_number(&p->w, &l->most, 1, SIZE_MAX / 2);
@@ -71,18 +62,27 @@ static enum rnea_code read_hands(struct parser *p)
 {
 	int kernel = 0, most = p->version < VERSION_LEVELS ? 1 : RNEA_HANDS_LIMIT;
 
-	while (!read_count(p, &p->f->hands[kernel], 1, PARTS_LIMIT) && p->w.line && ++kernel < most)
+	while (!info_count(p, &p->f->hands[kernel], 1, PARTS_LIMIT) && p->w.line && ++kernel < most)
 		;
 	return p->w.error->code;
+}
+
+static enum rnea_code read_part_kernels(struct parser *p)
+{
+	struct rnea_function *f = p->f;
+
+	if (words_number(&p->w, &f->part_kernels, 1, SIZE_MAX / 2) || info_count(p, &f->part_count, 1, PARTS_LIMIT))
+		return p->w.error->code;
+	return info_count(p, &f->part_block, 1, PART_BLOCK_LIMIT);
 }
 
 static enum rnea_code read_relay(struct parser *p)
 {
 	struct rnea_function *f = p->f;
 
-	if (words_number(&p->w, &f->relay_bytes, 1, GIVEN_LIMIT) || read_count(p, &f->relay_warps, 1, RELAY_LIMIT))
+	if (words_number(&p->w, &f->relay_bytes, 1, GIVEN_LIMIT) || info_count(p, &f->relay_warps, 1, RELAY_LIMIT))
 		return p->w.error->code;
-	return read_count(p, &f->relay_room, 1, ROOM_LIMIT);
+	return info_count(p, &f->relay_room, 1, ROOM_LIMIT);
 }
 
 static enum rnea_code read_value(struct parser *p, enum key key)
@@ -112,9 +112,9 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 	case KEY_NB:
 		return words_number(&p->w, &info->nb, 1, SIZE_MAX / 128);
 	case KEY_BLOCK:
-		return read_count(p, &info->block, 1, BLOCK_LIMIT);
+		return info_count(p, &info->block, 1, BLOCK_LIMIT);
 	case KEY_PARTS:
-		return read_count(p, &p->f->parts, 2, PARTS_LIMIT);
+		return info_count(p, &p->f->parts, 2, PARTS_LIMIT);
 	case KEY_OPERATIONS:
 		return read_operations(p);
 	case KEY_STAGE:
@@ -123,19 +123,21 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 		return read_kernels(p);
 	case KEY_SEGMENTS:
 		words_number(&p->w, &p->f->across_bytes, 1, SIZE_MAX / 2048);
-		return read_count(p, &p->f->most_samples, 1, SAMPLES_LIMIT);
+		return info_count(p, &p->f->most_samples, 1, SAMPLES_LIMIT);
 	case KEY_LIMBS:
 		return read_limbs(p, &p->f->limbs, 0);
 	case KEY_START_LIMBS:
 		return read_limbs(p, &p->f->start_limbs, 1);
 	case KEY_START_PARTS:
-		return read_count(p, &p->f->start_parts, 2, PARTS_LIMIT);
+		return info_count(p, &p->f->start_parts, 2, PARTS_LIMIT);
 	case KEY_WHOLE_LIMBS:
 		return read_limbs(p, &p->f->limbs, 1);
 	case KEY_HANDS:
 		return read_hands(p);
 	case KEY_PART_KERNELS:
-		return words_number(&p->w, &p->f->part_kernels, 1, SIZE_MAX / 2);
+		return read_part_kernels(p);
+	case KEY_TILES:
+		return info_tiles(p);
 	case KEY_RELAY:
 		return read_relay(p);
 	case KEY_COUNT:
@@ -149,8 +151,7 @@ static int is_optional(const struct parser *p, enum key key)
 {
 	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS || key == KEY_RELAY ||
 	       key == KEY_START_LIMBS || key == KEY_START_PARTS || key == KEY_WHOLE_LIMBS || key == KEY_HANDS || key == KEY_KERNELS ||
-	       key == KEY_PART_KERNELS ||
-	       (key == KEY_PARTS && p->version != VERSION_PARTS);
+	       key == KEY_PART_KERNELS || key == KEY_TILES || (key == KEY_PARTS && p->version != VERSION_PARTS);
 }
 
 /* Whether a key that has to be there is. */
@@ -389,4 +390,5 @@ void rnea_info_without_part_kernels(struct rnea_info *info)
 	struct rnea_function *f = info->memory; /* which begins with them */
 
 	f->part_kernels = 0;
+	f->part_count = f->part_block = f->tile_count = 0;
 }

@@ -6,6 +6,7 @@
 #include "core/library.h"
 #include "core/source.h"
 #include <stddef.h>
+#include <stdint.h>
 
 /* What is used of the driver API, as cuda.h declares it: CUresult and CUdevice are int, handles are pointers and a
    CUdeviceptr is an unsigned long long. Field, symbol, whether it must be there, parameters. */
@@ -53,6 +54,9 @@
 	X(stream_create, "cuStreamCreate", 1, (void **stream, unsigned flags))                                         \
 	X(stream_synchronize, "cuStreamSynchronize", 1, (void *stream))                                                \
 	X(stream_destroy, "cuStreamDestroy_v2", 1, (void *stream))                                                     \
+	X(tensor_map_encode_tiled, "cuTensorMapEncodeTiled", 0,                                                        \
+		(void *map, int type, unsigned rank, void *array, const uint64_t *size, const uint64_t *pitch,         \
+			const uint32_t *box, const uint32_t *step, int interleave, int swizzle, int promotion, int fill))  \
 	X(launch_kernel, "cuLaunchKernel", 1,                                                                          \
 		(void *function, unsigned gx, unsigned gy, unsigned gz, unsigned bx, unsigned by, unsigned bz,         \
 			unsigned shared, void *stream, void **parameters, void **extra))

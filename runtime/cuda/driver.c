@@ -256,9 +256,10 @@ static enum rnea_code find_kernels(
 static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 {
 	unsigned long long zero = 0; /* a null pointer, and a count of 0 */
-	void *parameters[RNEA_ARGUMENT_LIMIT + 1], *stream;
+	void *parameters[RNEA_ARGUMENT_LIMIT + 2], *stream;
+	struct tile_map maps[RNEA_TILE_LIMIT] = {0};
 
-	for (int i = 0; i <= RNEA_ARGUMENT_LIMIT; i++)
+	for (int i = 0; i < RNEA_ARGUMENT_LIMIT + 2; i++)
 		parameters[i] = &zero;
 	if (device_stream(&c->device, &stream, e))
 		return e->code;
@@ -268,6 +269,7 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 		relay_solve(&c->relay, &c->device, parameters, 0, stream, e);
 	for (unsigned i = 0; i < c->relay.hand_kernels && !e->code; i++)
 		device_launch(&c->device, &c->relay.hands[i], 1, 1, c->block, parameters, stream, e);
+	parameters[c->info->functions->input_count + c->info->functions->output_count + 1] = maps;
 	if (c->alone.least && !e->code)
 		alone_launch(&c->alone, &c->device, parameters, 0, stream, e);
 	if (c->limbs.own.info.warps && !e->code)
@@ -292,8 +294,8 @@ static void open_text(struct driver *c, const struct image_request *r, struct rn
 	int has_limbs, has_alone;
 
 	mine.arch = c->device.arch;
-	has_limbs = beside_begin(&limbs, &mine, IMAGE_LIMBS, 0); /* which have blocks of their own */
-	has_alone = beside_begin(&alone, &mine, IMAGE_ALONE, r->block == RNEA_BLOCK_OCCUPANCY ? 0 : r->block);
+	has_limbs = beside_begin(&limbs, &mine, IMAGE_LIMBS, 0); /* both have blocks of their own */
+	has_alone = beside_begin(&alone, &mine, IMAGE_ALONE, 0);
 	if (has_limbs || has_alone)
 		mine.share = IMAGE_MAIN;
 	if (!load(c, &mine, e) && !read_info(c, r->source, info, e) && !find_kernels(c, r->source, info, e)) {

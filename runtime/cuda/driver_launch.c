@@ -13,15 +13,17 @@ static size_t samples_of_block(const struct rnea_function *f, unsigned block, si
 	return block * (most ? most : 1);
 }
 
-static enum rnea_code launch_own(const struct driver *c, size_t function, void **parameters, size_t count, void *stream,
-	struct rnea_error *e)
+static enum rnea_code launch_own(const struct driver *c, size_t function, void *const *arrays, void **parameters, size_t count,
+	void *stream, struct rnea_error *e)
 {
 	const struct rnea_function *f = &c->info->functions[function];
 	unsigned blocks = device_blocks(count, samples_of_block(f, c->block, count));
+	struct tile_map maps[RNEA_TILE_LIMIT];
 
 	if (function == 0 && count <= c->limbs.own.info.most)
 		return limbs_launch(&c->limbs.own, &c->device, parameters, count, stream, e);
-	if (function == 0 && c->alone.least && count >= c->alone.least)
+	parameters[f->input_count + f->output_count + 1] = maps;
+	if (function == 0 && alone_serve(&c->alone, &c->device, arrays, count, maps))
 		return alone_launch(&c->alone, &c->device, parameters, count, stream, e);
 	if (function == 0 && relay_hands(&c->relay, &c->device, f, blocks, c->block, parameters, stream, e))
 		return e->code;
@@ -42,7 +44,7 @@ enum rnea_code driver_launch(const struct driver *c, size_t function, void *cons
 {
 	const struct rnea_function *f = &c->info->functions[function];
 	size_t n = f->input_count + f->output_count;
-	void *parameters[RNEA_ARGUMENT_LIMIT + 1];
+	void *parameters[RNEA_ARGUMENT_LIMIT + 2];
 	int pushed, has_relay = function == 0 && c->relay.warps;
 
 	/* the driver only reads through these, though it does not say so */
@@ -54,7 +56,7 @@ enum rnea_code driver_launch(const struct driver *c, size_t function, void *cons
 	if (has_relay)
 		launch_start(c, parameters, count, stream, e);
 	if (!e->code)
-		launch_own(c, function, parameters, count, stream, e);
+		launch_own(c, function, arrays, parameters, count, stream, e);
 	if (has_relay && !e->code)
 		relay_solve(&c->relay, &c->device, parameters, count, stream, e);
 	device_leave(&c->device, pushed);

@@ -84,11 +84,13 @@ int fake_entry(const char *call, int wants_context)
 void fake_run(const struct fake_launch *launch)
 {
 	unsigned long long values[FAKE_PARAMETER_LIMIT];
+	_Alignas(64) unsigned char last[FAKE_LAST_LIMIT];
 	void *parameters[FAKE_PARAMETER_LIMIT];
 
 	memcpy(values, launch->parameters, sizeof values);
+	memcpy(last, launch->last, sizeof last);
 	for (unsigned i = 0; i < launch->kernel->count; i++)
-		parameters[i] = &values[i];
+		parameters[i] = i + 1 < launch->kernel->count ? (void *)&values[i] : last;
 	pthread_mutex_lock(&running);
 	launch->kernel->run(parameters, launch->grid, launch->parts, launch->block, launch->given);
 	pthread_mutex_unlock(&running);
@@ -158,6 +160,27 @@ int cuDeviceGetAttribute(int *value, int attribute, int device)
 		 : attribute == 16 ? 4
 		 : attribute == 97 ? variable("RNEA_FAKE_CUDA_SHARED", 227 << 10)
 				   : 1 << 20;
+	return FAKE_SUCCESS;
+}
+
+/* What fake_device.h makes of one. */
+struct tile_map {
+	void *array;
+	size_t count, rows;
+	unsigned size, samples, tile_rows;
+};
+
+/* As a driver refuses them. */
+int cuTensorMapEncodeTiled(struct tile_map *map, int type, unsigned rank, void *array, const unsigned long long *size,
+	const unsigned long long *pitch, const unsigned *box, const unsigned *step, int interleave, int swizzle, int promotion, int fill)
+{
+	unsigned bytes = type == 7 ? 4 : 8;
+
+	if ((type != 7 && type != 8) || rank != 2 || (size_t)array % 16 || pitch[0] % 16 || pitch[0] != size[0] * bytes || !size[0] ||
+		!size[1] || size[0] >> 32 || box[0] > 256 || box[1] > 256 || !box[0] || !box[1] || box[0] * bytes % 16 || step[0] != 1 ||
+		step[1] != 1 || interleave || swizzle || promotion || fill)
+		return FAKE_INVALID_VALUE;
+	*map = (struct tile_map){array, size[0], size[1], bytes, box[0], box[1]};
 	return FAKE_SUCCESS;
 }
 

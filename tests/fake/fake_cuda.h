@@ -4,7 +4,7 @@
 
 #include <stddef.h>
 
-enum { FAKE_PARAMETER_LIMIT = 80 };
+enum { FAKE_PARAMETER_LIMIT = 80, FAKE_LAST_LIMIT = 4096 };
 
 enum fake_status {
 	FAKE_SUCCESS,
@@ -21,7 +21,7 @@ enum fake_status {
 /* As fake_device.h lays it out. */
 struct fake_kernel {
 	void (*run)(void **parameters, unsigned grid, unsigned parts, unsigned block, unsigned given);
-	unsigned count;
+	unsigned count, last_bytes;
 	unsigned min_blocks;
 	unsigned *most_given;
 };
@@ -31,6 +31,7 @@ struct fake_launch {
 	unsigned grid, parts, block; /* parts: the grid along y */
 	unsigned given; /* bytes of shared memory for each block */
 	unsigned long long parameters[FAKE_PARAMETER_LIMIT];
+	_Alignas(64) unsigned char last[FAKE_LAST_LIMIT]; /* the last parameter, which may be longer */
 };
 
 /* Nonzero if RNEA_FAKE_CUDA_FAIL says that `call` fails, or if it wants a current context and there is none. */

@@ -154,8 +154,12 @@ int cuLaunchKernel(void *function, unsigned gx, unsigned gy, unsigned gz, unsign
 	if (!function || extra || shared > *launch.kernel->most_given || !gx || !gy || !bx || gy > 65535 || gz != 1 ||
 		by != 1 || bz != 1 || gx > 0x7fffffff)
 		return FAKE_INVALID_VALUE;
-	for (unsigned i = 0; i < launch.kernel->count; i++)
+	for (unsigned i = 0; i + 1 < launch.kernel->count; i++)
 		memcpy(&launch.parameters[i], parameters[i], sizeof launch.parameters[i]);
+	if (launch.kernel->last_bytes > FAKE_LAST_LIMIT)
+		return FAKE_INVALID_VALUE;
+	if (launch.kernel->count)
+		memcpy(launch.last, parameters[launch.kernel->count - 1], launch.kernel->last_bytes);
 	threads = bx;
 	fake_note_launch();
 	if (graph)

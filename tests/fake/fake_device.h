@@ -27,6 +27,7 @@
 #define FAKE_SHARED(line) FAKE_SHARED_(line)
 #define __shared__ FAKE_SHARED(__LINE__)
 #define __restrict__ __restrict
+#define __grid_constant__
 #define __sincosf sincosf
 #define __trap abort
 #define __fmaf_rn fmaf
@@ -157,6 +158,65 @@ static fake_barrier fake_block_barrier, fake_warp_barriers[FAKE_WARPS]; /* of th
 	fake_warp_barriers[threadIdx.x / FAKE_WARP].wait();
 }
 
+/* Tiles: what a tensor map of fake_cuda.c says, and an engine that moves them at once. */
+#define RNEAGEN_TILE_MAP
+struct alignas(64) rneagen_tile_map {
+	unsigned char *array;
+	size_t count, rows;
+	unsigned size, samples, tile_rows;
+	unsigned char rest[128 - 40];
+};
+static_assert(sizeof(rneagen_tile_map) == 128, "as long as a CUtensorMap");
+#define RNEA_TILES 1
+static unsigned fake_tile_bytes; /* that have not come */
+
+[[maybe_unused]] static void rneagen_tiles_begin(unsigned bytes)
+{
+	fake_tile_bytes = bytes;
+}
+
+[[maybe_unused]] static void rneagen_tile_in(void *slice, const rneagen_tile_map *m, int row)
+{
+	unsigned char *to = (unsigned char *)slice;
+	const size_t first = (size_t)blockIdx.x * m->samples;
+
+	for (unsigned r = 0; r < m->tile_rows; r++)
+		for (unsigned k = 0; k < m->samples; k++, to += m->size) {
+			const bool is_there = first + k < m->count && row + r < m->rows;
+
+			for (unsigned b = 0; b < m->size; b++)
+				to[b] = is_there ? m->array[((row + r) * m->count + first + k) * m->size + b] : 0;
+		}
+	fake_tile_bytes -= m->tile_rows * m->samples * m->size;
+}
+
+[[maybe_unused]] static void rneagen_tiles_come()
+{
+	__syncthreads();
+	if (fake_tile_bytes)
+		abort();
+}
+
+[[maybe_unused]] static void rneagen_tiles_leave()
+{
+	__syncthreads();
+}
+
+[[maybe_unused]] static void rneagen_tile_out(const void *slice, const rneagen_tile_map *m, int row)
+{
+	const unsigned char *from = (const unsigned char *)slice;
+	const size_t first = (size_t)blockIdx.x * m->samples;
+
+	for (unsigned r = 0; r < m->tile_rows; r++)
+		for (unsigned k = 0; k < m->samples; k++, from += m->size)
+			for (unsigned b = 0; b < m->size && first + k < m->count && row + r < m->rows; b++)
+				m->array[((row + r) * m->count + first + k) * m->size + b] = from[b];
+}
+
+[[maybe_unused]] static void rneagen_tiles_end()
+{
+}
+
 /* What makecontext takes has no argument. */
 template <class... A> static void (*fake_waiting_kernel)(A...);
 static void **fake_parameters;
@@ -230,10 +290,19 @@ template <class... A> static constexpr unsigned fake_count(void (*)(A...))
 	return sizeof...(A);
 }
 
+template <class... A> static constexpr unsigned fake_last(void (*)(A...))
+{
+	unsigned last = 0;
+
+	((last = sizeof(A)), ...);
+	return last;
+}
+
 /* What fake_cuda looks up as fake_kernel_NAME. */
 struct fake_kernel {
 	void (*run)(void **parameters, unsigned grid, unsigned parts, unsigned block, unsigned given);
-	unsigned count; /* parameters, 8 bytes each */
+	unsigned count; /* parameters, 8 bytes each but the last */
+	unsigned last_bytes;
 	unsigned min_blocks; /* the launch bound of the text; 0: none */
 	unsigned *most_given; /* bytes of shared memory that a launch may give */
 };
@@ -248,5 +317,6 @@ struct fake_kernel {
 			fake_check_given();                                                                            \
 		},                                                                                                     \
 		fake_count(name),                                                                                      \
+		fake_last(name),                                                                                       \
 		FAKE_MIN_BLOCKS,                                                                                       \
 		&fake_most_given_##name};

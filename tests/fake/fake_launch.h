@@ -12,7 +12,7 @@
 typedef int cudaError_t;
 typedef struct fake_stream *cudaStream_t;
 enum { cudaSuccess, cudaErrorInvalidValue };
-enum { cudaDevAttrMaxSharedMemoryPerBlockOptin = 97, cudaFuncAttributeMaxDynamicSharedMemorySize = 8, FAKE_DEVICE = 3 };
+enum { cudaDevAttrMaxSharedMemoryPerBlockOptin = 97, cudaDevAttrComputeCapabilityMajor = 75, FAKE_MAJOR = 8, cudaFuncAttributeMaxDynamicSharedMemorySize = 8, FAKE_DEVICE = 3 };
 
 struct dim3 {
 	unsigned x, y;
@@ -41,8 +41,9 @@ static cudaError_t fake_refuse()
 
 [[maybe_unused]] static cudaError_t cudaDeviceGetAttribute(int *value, int attribute, int device)
 {
-	*value = (int)fake_limit;
-	return attribute == cudaDevAttrMaxSharedMemoryPerBlockOptin && device == FAKE_DEVICE ? cudaSuccess : fake_refuse();
+	*value = attribute == cudaDevAttrComputeCapabilityMajor ? FAKE_MAJOR : (int)fake_limit;
+	return (attribute == cudaDevAttrMaxSharedMemoryPerBlockOptin || attribute == cudaDevAttrComputeCapabilityMajor) && device == FAKE_DEVICE ?
+		cudaSuccess : fake_refuse();
 }
 
 [[maybe_unused]] static cudaError_t cudaFuncSetAttribute(const void *kernel, int attribute, int value)
@@ -71,6 +72,17 @@ static cudaError_t cudaLaunchKernel(const void *kernel, dim3 grid, dim3 block, v
 	static void fake_entry(const void *kernel, void **arguments, unsigned grid, unsigned parts, unsigned block)    \
 	{                                                                                                              \
 		fake_run_serial((decltype(&one))kernel, arguments, grid, parts, block);                                \
+	}                                                                                                              \
+	alignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];
+
+/* Of kernels with the parameters of this one, and of others with those of a part. */
+#define FAKE_ENTRY_PARTS(one, part)                                                                                    \
+	static void fake_entry(const void *kernel, void **arguments, unsigned grid, unsigned parts, unsigned block)    \
+	{                                                                                                              \
+		if (kernel == (const void *)one)                                                                       \
+			fake_run_serial(one, arguments, grid, parts, block);                                           \
+		else                                                                                                   \
+			fake_run_serial((decltype(&part))kernel, arguments, grid, parts, block);                       \
 	}                                                                                                              \
 	alignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];
 

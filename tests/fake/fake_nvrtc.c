@@ -3,6 +3,8 @@
 
    What was built once is kept in FAKE_CACHE, by the text, the command and fake_device.h, for tests of the same text.
 
+   A program of kernels of large batches alone is refused, unless RNEA_FAKE_PARTS is set: few tests have such batches.
+
    Environment: RNEA_FAKE_NVRTC_FAIL=CODE makes nvrtcCompileProgram return CODE; RNEA_FAKE_ARCHS="75 80" are the
    architectures it claims to know (default "75 80 90"). */
 #define _GNU_SOURCE
@@ -133,12 +135,19 @@ static const char *limbs_of(const char *text)
 	return s ? s : text + strlen(text);
 }
 
-/* Where kernels of parts, which stand before all others, end; the text's begin where it has none. */
-static const char *alone_end(const char *text)
+/* Where kernels of parts, which stand before all others, begin and end; the text's begin where it has none. */
+static const char *alone_begin(const char *text)
 {
 	const char *s = strstr(text, "#define RNEA_PART_KERNELS ");
 
-	s = s ? strstr(s, "#if !defined RNEA_ONLY_PART_KERNELS\n") : NULL;
+	return s ? s : text;
+}
+
+static const char *alone_end(const char *text)
+{
+	const char *s = alone_begin(text);
+
+	s = s > text ? strstr(s, "#if !defined RNEA_ONLY_PART_KERNELS\n") : NULL;
 	return s ? s : text;
 }
 
@@ -170,8 +179,9 @@ static const char *wait_of(const char *text)
 static void write_source(const struct program *p, const char *path)
 {
 	static const char mark[] = "extern \"C\" __global__ void"; /* a joint may be called __global__ */
-	const char *s = p->source, *limbs = limbs_of(s), *wait = wait_of(s);
-	int waits = wait && wait < limbs, limbs_wait = wait_of(limbs) != NULL;
+	const char *s = p->source, *limbs = limbs_of(s), *wait = wait_of(s), *alone = alone_begin(s), *rest = wait_of(alone_end(s));
+	int alone_waits = wait_of(alone) && wait_of(alone) < alone_end(s), limbs_wait = wait_of(limbs) != NULL;
+	int waits = (wait && wait < alone) || (rest && rest < limbs);
 	FILE *f = fopen(path, "w");
 	size_t length;
 
@@ -186,7 +196,7 @@ static void write_source(const struct program *p, const char *path)
 		s = kernel_name(s + strlen(mark), &length);
 		fprintf(f, "#if !defined %s%s\nFAKE_KERNEL(%.*s, %s)\n#endif\n", is_limbs ? "RNEA_NO_LIMBS" : "RNEA_ONLY_LIMBS",
 			is_limbs ? "" : is_alone ? " && !defined RNEA_NO_PART_KERNELS" : " && !defined RNEA_ONLY_PART_KERNELS",
-			(int)length, s, (is_limbs ? limbs_wait : waits) ? "fake_run_threads" : "fake_run_serial");
+			(int)length, s, (is_limbs ? limbs_wait : is_alone ? alone_waits : waits) ? "fake_run_threads" : "fake_run_serial");
 	}
 	fclose(f);
 }
@@ -287,6 +297,15 @@ static int build(struct program *p, const char *folder, char *command)
 	return status ? COMPILATION : check_shared(p);
 }
 
+static int refuses(int count, const char *const *options)
+{
+	int is_alone = 0;
+
+	for (int i = 0; i < count; i++)
+		is_alone |= strcmp(options[i], "-DRNEA_ONLY_PART_KERNELS") == 0;
+	return is_alone && !getenv("RNEA_FAKE_PARTS");
+}
+
 int nvrtcCompileProgram(void *program, int count, const char *const *options)
 {
 	/* what lies where a device cannot read or write it ends the program, as it does there */
@@ -297,6 +316,8 @@ int nvrtcCompileProgram(void *program, int count, const char *const *options)
 	struct program *p = program;
 	int status;
 
+	if (refuses(count, options))
+		return COMPILATION;
 	compilations++;
 	/* optimised, texts are compiled for longer than they run */
 	snprintf(command, sizeof command, "%s %s", flags, exhaustive() ? "-O1" : "-O0");

@@ -10,14 +10,14 @@
 void *launch_library(const struct target *t, const char *stem, const char *before, const char *after)
 {
 	struct target_path source = target_path(stem, ".cc"), library = target_path(stem, ".so");
-	const char *const argv[] = {FAKE_CXX, "-std=c++17", "-shared", "-fPIC", "-O1", "-w", "-fno-gnu-unique", "-pthread",
+	const char *const argv[] = {FAKE_CXX, "-std=c++17", "-shared", "-fPIC", "-O1", "-w", "-Wno-psabi", "-fno-gnu-unique", "-pthread",
 		"-o", library.s, source.s, NULL};
 	char *text, *at;
 	size_t length;
 	FILE *f = open_memstream(&text, &length);
 	void *handle;
 
-	fprintf(f, "%s\n#include \"" TEST_DIR "/fake/fake_launch.h\"\n%s\n%s\n", before, t->text.source, after);
+	fprintf(f, "%s\n#if !defined FAKE_PARTS\n#define RNEA_NO_PART_KERNELS\n#endif\n#include \"" TEST_DIR "/fake/fake_launch.h\"\n%s\n%s\n", before, t->text.source, after);
 	fclose(f);
 	if ((at = strstr(text, "extern __shared__")) != NULL)
 		memcpy(at, "extern           ", strlen("extern __shared__")); /* memory of the launch, not of the kernel */

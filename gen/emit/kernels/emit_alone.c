@@ -1,33 +1,63 @@
-/* A kernel of its own for each part of matrices, beside the one whose grid has all of them along y. */
+/* Kernels of large batches: one of its own for each part of the text, beside the one whose grid has all of them along y. */
 #include "base/template.h"
 #include "emit/emit.h"
 
-/* From one warp for each scheduler of an H100 on; of texts longer than so many operations. */
-enum { LEAST_SAMPLES = 132 * 128, LEAST_OPERATIONS = 11000 };
+/* Of matrices: from one warp for each scheduler of an H100 on; of texts longer than so many operations. Of rows that move as tiles: from so
+   many samples on, and with a vjp or jvp. */
+enum { LEAST_SAMPLES = 132 * 128, LEAST_OPERATIONS = 11000, LEAST_TILED = 132 * 4096, LEAST_PRODUCT = 132 * 1920 };
 
 /* Smaller batches leave multiprocessors idle that the one kernel gives other parts. Beyond, the blocks of one part do not share a
-   multiprocessor with those of another, and each takes the registers that it needs. In f64 all parts take all registers there are, and a
-   million samples lose. Measurements: gen/plan/README.md, Parts of matrices. */
+   multiprocessor with those of another, and each takes the registers that it needs. In f64 all parts take all registers there are: without
+   tiles a million samples lose. Measurements: gen/plan/README.md, Parts of matrices. */
 int emit_alone_least(const struct emission *e)
 {
-	if (!e->target->kernel || !emit_has_columns(e) || e->part_count < 2 || e->arithmetic->bytes != 4 || e->wide)
+	if (!e->target->kernel || e->wide || emit_is_operation(e))
+		return 0;
+	if (!emit_has_columns(e))
+		return !emit_has_tiles(e) ? 0 : request_wants_derivative(e->request) ? LEAST_PRODUCT : LEAST_TILED;
+	if (e->part_count < 2 || (e->arithmetic->bytes != 4 && !emit_has_tiles(e)))
 		return 0;
 	return plan_flops(parts_operations(e->parts, e->part_count, &emit_main(e)->plan)) > LEAST_OPERATIONS ? LEAST_SAMPLES : 0;
 }
 
+/* `rnea_part0`: the whole is one part. */
+const char *emit_alone_name(const struct emission *e, int part)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%s_part%d", emit_main(e)->algorithm->name, part);
+	return text_string(&t);
+}
+
 void emit_alone(const struct emission *e, struct text *out)
 {
-	struct text kernels;
+	struct text kernels, tiles;
 
 	if (!emit_alone_least(e))
 		return;
 	text_init(&kernels, e->arena);
-	for (int i = 0; i < e->part_count; i++)
-		emit_kernel(e, &e->parts[i].pass, &kernels);
-	const struct slot slots[] = {{"LEAST", emit_int(e, emit_alone_least(e))}, {"KERNELS", text_string(&kernels)},
-		{"UNLESS_ALONE", EMIT_UNLESS_ALONE}};
+	text_init(&tiles, e->arena);
+	emit_tiles(e, &tiles);
+	for (int i = 0; i < e->part_count && emit_is_apart(e); i++)
+		emit_part_small(e, &e->parts[i], out);
+	for (int i = 0; i < emit_alone_count(e); i++)
+		emit_alone_kernel(e, i, &kernels);
+	const struct slot slots[] = {{"LEAST", emit_int(e, emit_alone_least(e))}, {"BLOCK", emit_int(e, emit_alone_block(e))},
+		{"TILES", text_string(&tiles)}, {"KERNELS", text_string(&kernels)}, {"UNLESS_ALONE", EMIT_UNLESS_ALONE}};
 
 	template_expand(out, template_alone_in, slots, sizeof slots / sizeof *slots);
+}
+
+/* What a launch of kernels with tiles has beside that of others. */
+static const char *if_tiled(const struct emission *e, const char *format)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (emit_has_tiles(e))
+		text_printf(&t, format, e->options->name);
+	return text_string(&t);
 }
 
 const char *emit_launch_alone(const struct emission *e)
@@ -38,9 +68,12 @@ const char *emit_launch_alone(const struct emission *e)
 	if (!emit_alone_least(e))
 		return text_string(&t);
 	text_init(&kernels, e->arena);
-	for (int i = 0; i < e->part_count; i++)
-		text_printf(&kernels, "%s(const void *)%s_%s_kernel", i ? ", " : "", e->options->name, e->parts[i].pass.algorithm->name);
-	const struct slot slots[] = {{"KERNELS", text_string(&kernels)}, {"COUNT", emit_int(e, e->part_count)}};
+	for (int i = 0; i < emit_alone_count(e); i++)
+		text_printf(&kernels, "%s(const void *)%s_%s_kernel", i ? ", " : "", e->options->name, emit_alone_name(e, i));
+	const struct slot slots[] = {{"TILES", if_tiled(e, "\t%s_tiles tiles;\n\n")},
+		{"FIT", if_tiled(e, " && %s_make_tiles(&tiles, arguments, count)")},
+		{"ADDRESSES", emit_params(e, emit_main(e), PARAMS_ADDRESSES)}, {"MORE", emit_has_tiles(e) ? ", &tiles" : ""},
+		{"KERNELS", text_string(&kernels)}, {"COUNT", emit_int(e, emit_alone_count(e))}};
 
 	template_expand(&t, template_launch_alone_in, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);

@@ -14,9 +14,6 @@ enum { DERIVATIVE_BLOCK = 64 };
 enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100, FEW_DOUBLE = 64, LATE_SINGLE = 140,
 	FULL_SINGLE = 220, FULL_DOUBLE = 170, OVERFULL_DOUBLE = 340 };
 
-/* A line of the plan is one and a quarter of the text. */
-enum { LINES_AHEAD = 160 };
-
 int emit_pitch(const struct emission *e, int rows)
 {
 	return stage_pitch(rows, e->options);
@@ -63,7 +60,8 @@ int emit_is_full(const struct emission *e)
    rows of each joint, and the rows between them are the others': it needs the places of q, qd and qdd. */
 static int may_stage_parts(const struct emission *e)
 {
-	return emit_is_apart(e) && (!request_wants_derivative(e->request) || e->parts[0].pass.stretches->period);
+	return emit_is_apart(e) && (!request_wants_derivative(e->request) ||
+		(e->options->layout == RNEAGEN_AOS && e->parts[0].pass.stretches->period));
 }
 
 /* Does the main kernel fetch its slice into shared memory first? Segments and windows have shared memory of their own. */
@@ -103,17 +101,6 @@ int emit_is_prefetched(const struct emission *e)
 	if (e->request->is_forward && request_wants_derivative(e->request))
 		return 1;
 	return (e->request->is_forward || request_wants_derivative(e->request)) && alive > LATE_SINGLE && alive <= FULL_SINGLE;
-}
-
-/* Parts of gradients in f64 hold more than registers have room for, so that inputs are read late. H100, ps of a million samples, asked for
-   100, 200, 400 and 800 lines of the text before, and not: atlas, 5 parts, 3002, 2973, 3315, 3256 and 3352, g1_29dof, 6 parts, 3518, 3463,
-   3415, 3766 and 3459. Of 16384, us, 200 lines and not: 121.1 and 121.1, 109.4 and 99.8. Not where there are two parts: floating hyq 1698
-   and 1742, but 37.0 us and 32.7; nor for a vjp: atlas 817 and 832, but 25.0 us and 24.1; nor in f32: tau with vjp of atlas 420 and 390. */
-int emit_lines_ahead(const struct emission *e, const struct pass *p)
-{
-	int is_long = e->arithmetic->bytes == 8 && emit_has_columns(e) && e->part_count > 2;
-
-	return is_long && p != emit_main(e) && !emit_is_relays(e, p) ? LINES_AHEAD : 0;
 }
 
 /* A sample is taken for one of small angles and computed again if it was not: no test comes before the arithmetic, and no

@@ -37,6 +37,7 @@ struct work {
 	const struct pass *pass;
 	const struct part *part; /* NULL: all of it */
 	int is_staged;
+	const char *alone; /* the name of a kernel of large batches, which has nothing else to do; NULL: it is none */
 };
 
 /* Where hands have left what they hand on: in the last array. */
@@ -54,7 +55,7 @@ static const char *handed_text(const struct emission *e)
 static const char *kernel_call(const struct emission *e, const struct work *w, const struct slices *s)
 {
 	int is_soa = e->options->layout == RNEAGEN_SOA;
-	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = s->here, .q = "q_here",
+	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = s ? s->here : "", .q = "q_here",
 		.stride = is_soa ? "stride" : "1", .part = w->part, .is_staged = 1, .handed = handed_text(e)};
 	const struct call there = {.indent = "\t", .arguments = emit_params(e, w->pass, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
 		.stride = emit_stride(e), .is_optimistic = emit_is_of_main(e, w->pass) && emit_is_optimistic(e), .part = w->part,
@@ -87,7 +88,10 @@ static const char *head_text(const struct emission *e, const struct work *w)
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (!w->part)
+	if (w->alone)
+		text_printf(&t, "extern \"C\" __global__ void __launch_bounds__(RNEA_PART_BLOCK)\n%s_%s_kernel(%s, size_t count)",
+			e->options->name, w->alone, params);
+	else if (!w->part)
 		text_printf(&t, "extern \"C\" __global__ void __launch_bounds__(RNEA_BLOCK%s)\n%s_%s_kernel(%s, size_t count)",
 			w->pass == emit_main(e) ? ", RNEA_MIN_BLOCKS" : "", e->options->name, name, params);
 	else
@@ -125,15 +129,39 @@ static void put_work(const struct emission *e, const struct work *w, struct text
 
 void emit_kernel(const struct emission *e, const struct pass *p, struct text *out)
 {
-	const struct work w = {p, NULL, emit_is_staged(e) && p == emit_main(e)};
+	const struct work w = {p, NULL, emit_is_staged(e) && p == emit_main(e), NULL};
 
 	put_work(e, &w, out);
+}
+
+/* Without the launch's shared memory. */
+static const char *spill_alone(const struct emission *e)
+{
+	const struct slot slots[] = {{"UNLESS_GIVEN", ""}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	template_expand(&t, e->target->kernel->spill, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+void emit_alone_kernel(const struct emission *e, int part, struct text *out)
+{
+	const struct pass *p = emit_alone_pass(e, part);
+	const struct work w = {p, emit_is_apart(e) ? &e->parts[part] : NULL, 0, emit_alone_name(e, part)};
+	const struct tiled_kernel k = {.pass = p, .part = w.part, .name = w.alone, .handed = handed_text(e), .spill = spill_alone(e),
+		.zeros = zeros_text(e, p), .direct = kernel_call(e, &w, NULL)};
+
+	if (p->tiles)
+		emit_tiled_kernel(e, &k, out);
+	else
+		put_work(e, &w, out);
 }
 
 /* A kernel of parts that share nothing, named after a pass. */
 struct apart {
 	const struct part *parts;
-	int count, is_staged;
+	int count, is_staged, is_alone; /* is_alone: the parts have kernels of their own too, with what asks for angles */
 	const char *pass, *kernel, *what, *bounds;
 };
 
@@ -145,9 +173,10 @@ static void put_apart(const struct emission *e, const struct apart *x, struct te
 
 	text_init(&cases, e->arena);
 	for (int i = 0; i < x->count; i++) {
-		const struct work w = {&x->parts[i].pass, &x->parts[i], x->is_staged};
+		const struct work w = {&x->parts[i].pass, &x->parts[i], x->is_staged, NULL};
 
-		emit_part_small(e, &x->parts[i], out);
+		if (!x->is_alone)
+			emit_part_small(e, &x->parts[i], out);
 		put_work(e, &w, out);
 		text_printf(&cases, "\tcase %d:\n\t\t%s_%s_block(%s, count%s);\n\t\tbreak;\n", i, name, w.pass->algorithm->name,
 			emit_params(e, w.pass, PARAMS_NAMES), x->is_staged ? ", slices, staged" : "");
@@ -164,7 +193,7 @@ static const char SHARE_NOTHING[] = "Parts that share nothing";
 
 static void put_both(const struct emission *e, struct text *out)
 {
-	struct apart x = {.parts = e->parts, .is_staged = emit_is_staged(e), .pass = emit_main(e)->algorithm->name,
+	struct apart x = {.parts = e->parts, .is_staged = emit_is_staged(e), .is_alone = emit_alone_least(e) > 0, .pass = emit_main(e)->algorithm->name,
 		.bounds = ", RNEA_MIN_BLOCKS",
 		.what = "Hands, each a part; a launch runs this kernel before the one that reads what they hand on"};
 
@@ -234,6 +263,14 @@ int emit_is_streamed(const struct emission *e)
 	return e->target->kernel && has_matrix && e->options->layout == RNEAGEN_SOA && !emit_is_staged(e);
 }
 
+/* May what is stored stand in shared memory? */
+static int stores_to_tiles(const struct emission *e)
+{
+	const struct pass *p = emit_alone_pass(e, 0);
+
+	return p->tiles && !emit_has_columns(e);
+}
+
 const char *emit_store(const struct emission *e)
 {
 	const struct scalar *s = e->memory;
@@ -242,9 +279,7 @@ const char *emit_store(const struct emission *e)
 
 	text_init(&t, e->arena);
 	if (emit_is_streamed(e))
-		template_expand(&t, e->target->kernel->store, slots, sizeof slots / sizeof *slots);
-	if (e->target->kernel && emit_lines_ahead(e, emit_part(e, 0)))
-		text_put(&t, e->target->kernel->ask);
+		template_expand(&t, stores_to_tiles(e) ? e->target->kernel->store_apart : e->target->kernel->store, slots, sizeof slots / sizeof *slots);
 	if (e->target->kernel && emit_windows(e)->slots)
 		emit_put_windows(e, &t);
 	return text_string(&t);

@@ -2,7 +2,7 @@
 #include "base/fold.h"
 #include "base/template.h"
 #include "emit/emit.h"
-#include "plan/stretch.h"
+#include "plan/tiles/tiles.h"
 
 void emit_put_sample_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out)
 {
@@ -34,7 +34,9 @@ const char *emit_more_params(const struct emission *e, const struct pass *p)
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (p->stretches && p->stretches->gap)
+	if (tiles_are_inputs(p))
+		text_put(&t, ", const size_t inner");
+	if (tiles_rows(p) && tiles_rows(p)->gap)
 		text_put(&t, ", const size_t gap");
 	if (p->stretches && p->stretches->period)
 		text_put(&t, ", const size_t skip");
@@ -48,19 +50,21 @@ const char *emit_gap(const struct emission *e, const struct pass *p, int is_stag
 	struct text t;
 
 	text_init(&t, e->arena);
-	text_printf(&t, is_staged ? "staged ? %d : 0" : "0", p->stretches->gap);
+	text_printf(&t, is_staged ? "staged ? %d : 0" : "0", tiles_rows(p)->gap);
 	return text_string(&t);
 }
 
-const char *emit_more(const struct emission *e, const struct pass *p, int is_staged, const char *handed)
+const char *emit_more(const struct emission *e, const struct pass *p, int is_staged, const char *inner, const char *handed)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (p->stretches && p->stretches->gap)
+	if (tiles_are_inputs(p))
+		text_printf(&t, ", %s", inner);
+	if (tiles_rows(p) && tiles_rows(p)->gap)
 		text_printf(&t, ", %s", emit_gap(e, p, is_staged));
 	if (p->stretches && p->stretches->period)
-		text_printf(&t, is_staged ? ", staged ? RNEA_BLOCK*%d - %d : 0" : ", 0",
+		text_printf(&t, !is_staged ? ", 0" : e->options->layout == RNEAGEN_SOA ? ", staged ? (size_t)(%d - %d) : 0" : ", staged ? RNEA_BLOCK*%d - %d : 0",
 			emit_pitch(e, stretches_rows(p->stretches, 0)), p->stretches->period);
 	if (is_handed(p))
 		text_printf(&t, ", %s", handed);
@@ -129,7 +133,7 @@ static void put_part_call(const struct emission *e, const struct pass *p, struct
 
 	text_init(&handed, e->arena);
 	text_printf(&handed, "%s, stride", d->arguments[parts_handed(d)].name);
-	emit_put_sample_call(e, p, "body", emit_more(e, p, 0, text_string(&handed)), out);
+	emit_put_sample_call(e, p, "body", emit_more(e, p, 0, "stride", text_string(&handed)), out);
 }
 
 /* The body that calls the parts'. */

@@ -50,7 +50,7 @@ void emit_relay_before(const struct emission *e, struct text *out)
 		const struct pass *p = &e->relay->starts[i].pass;
 
 		text_put(out, "\t");
-		emit_put_sample_call(e, p, "body", emit_more(e, p, 0, ""), out);
+		emit_put_sample_call(e, p, "body", emit_more(e, p, 0, "stride", ""), out);
 		text_putc(out, '\n');
 	}
 	if (e->relay->start_count)

@@ -35,8 +35,7 @@ static int place_first(const struct part *part, const struct dag *d, int argumen
 	return part ? part->pass.stretches->place[place_of(part, d, argument)][0].first : 0;
 }
 
-/* Where a stretch begins there. */
-static int slot_of(const struct part *part, const struct dag *d, int argument, int k)
+int emit_slot(const struct part *part, const struct dag *d, int argument, int k)
 {
 	return stretch_of(part, d, argument, k).first - place_first(part, d, argument) - (k ? part->pass.stretches->gap : 0);
 }
@@ -56,11 +55,11 @@ static const char *slices_text(const struct emission *e, const struct part *part
 
 	text_init(&t, e->arena);
 	for (int i = 0; i < d->argument_count; i++) {
-		if (d->arguments[i].per_batch || place_of(part, d, i) != i)
+		if (d->arguments[i].per_batch || place_of(part, d, i) != i || !place_rows(part, d, i))
 			continue;
 		text_printf(&t, "%s*const %s_slice = ", last >= 0 ? ", " : "", d->arguments[i].name);
 		if (last >= 0)
-			text_printf(&t, "%s_slice + RNEA_BLOCK*%d", d->arguments[last].name, emit_pitch(e, place_rows(part, d, last)));
+			text_printf(&t, "%s_slice + %s*%d", d->arguments[last].name, e->block, emit_pitch(e, place_rows(part, d, last)));
 		else
 			text_put(&t, e->options->layout == RNEAGEN_AOS ? "slices" : "slices + threadIdx.x");
 		last = i;
@@ -94,12 +93,17 @@ static const char *pointers_text(const struct emission *e, const struct part *pa
 
 		if (a->per_batch)
 			continue;
+		if (!place_rows(part, d, i)) { /* it is in no slice */
+			text_printf(&t, "\t%s%s *const %s_here = %s + k;\n", a->is_output ? "" : "const ", e->memory->type, a->name, a->name);
+			continue;
+		}
 		text_printf(&t, "%s%s%s *const %s_here = staged ? %s_slice", e->options->layout == RNEAGEN_AOS ? "\t\t" : "\t",
 			a->is_output ? "" : "const ", e->memory->type, a->name, d->arguments[place_of(part, d, i)].name);
 		if (e->options->layout == RNEAGEN_AOS)
 			text_printf(&t, " + threadIdx.x*%d", emit_pitch(e, place_rows(part, d, i)));
 		if (before)
-			text_printf(&t, " %c %s%d", before < 0 ? '-' : '+', e->options->layout == RNEAGEN_AOS ? "" : "RNEA_BLOCK*", abs(before));
+			text_printf(&t, " %c %s%s%d", before < 0 ? '-' : '+', e->options->layout == RNEAGEN_AOS ? "" : e->block,
+				e->options->layout == RNEAGEN_AOS ? "" : "*", abs(before));
 		text_printf(&t, " : %s + k", a->name);
 		if (e->options->layout == RNEAGEN_AOS)
 			text_printf(&t, "*%d", a->rows);
@@ -161,8 +165,8 @@ static void put_slice_in(const struct emission *e, const struct part *part, int 
 
 	put_function(e, part, "in", argument, k, out);
 	text_printf(out, "%s_slice", d->arguments[argument].name);
-	if (slot_of(part, d, argument, k))
-		text_printf(out, " + %d", slot_of(part, d, argument, k));
+	if (emit_slot(part, d, argument, k))
+		text_printf(out, " + %d", emit_slot(part, d, argument, k));
 	text_put(out, ", ");
 	put_array(e, part, argument, k, out);
 	text_put(out, ", samples);\n");
@@ -193,8 +197,7 @@ int emit_moves_some(const struct emission *e)
 	return 0;
 }
 
-/* How much further on than where its place begins a vjp's first row is. */
-static int divided_slot(const struct stretches *s)
+int emit_divided_slot(const struct stretches *s)
 {
 	return s->own[s->divided]->first + s->shift - s->place[0]->first;
 }
@@ -207,7 +210,7 @@ static const char *join_text(const struct emission *e, const struct part *part)
 	text_init(&t, e->arena);
 	if (part && emit_is_joined(e))
 		text_printf(&t, "\t\trneagen_stage_join<%d, %d, %d>(%s_slice);\n", part->pass.stretches->period,
-			emit_pitch(e, place_rows(part, d, 0)), divided_slot(part->pass.stretches), d->arguments[0].name);
+			emit_pitch(e, place_rows(part, d, 0)), emit_divided_slot(part->pass.stretches), d->arguments[0].name);
 	return text_string(&t);
 }
 
@@ -217,7 +220,7 @@ static void put_divided_out(const struct emission *e, const struct part *part, s
 	const struct stretches *s = part->pass.stretches;
 	const struct argument *a = &arguments_of(e)->arguments[s->divided];
 	const struct stretch *own = s->own[s->divided];
-	int slot = divided_slot(s);
+	int slot = emit_divided_slot(s);
 
 	if (emit_is_joined(e)) {
 		text_printf(out, "\t\trneagen_stage_out<%d, %d>(%s + first*%d, %s_slice, samples);\n", a->rows, a->rows, a->name, a->rows,
@@ -249,8 +252,8 @@ static void put_slice_out(const struct emission *e, const struct part *part, int
 	put_function(e, part, "out", argument, k, out);
 	put_array(e, part, argument, k, out);
 	text_printf(out, ", %s_slice", d->arguments[place_of(part, d, argument)].name);
-	if (slot_of(part, d, argument, k))
-		text_printf(out, " + %d", slot_of(part, d, argument, k));
+	if (emit_slot(part, d, argument, k))
+		text_printf(out, " + %d", emit_slot(part, d, argument, k));
 	text_put(out, ", samples);\n");
 }
 
@@ -269,7 +272,7 @@ static void put_row_move(const struct emission *e, const struct part *part, int 
 {
 	const struct dag *d = arguments_of(e);
 	const char *name = d->arguments[argument].name, *place = d->arguments[place_of(part, d, argument)].name;
-	const char *row = row_text(e, stretch_of(part, d, argument, k).first), *slot = row_text(e, slot_of(part, d, argument, k));
+	const char *row = row_text(e, stretch_of(part, d, argument, k).first), *slot = row_text(e, emit_slot(part, d, argument, k));
 
 	if (d->arguments[argument].is_output)
 		text_printf(out, "\t\t\t%s[%s*count + k] = %s_slice[%s*RNEA_BLOCK];\n", name, row, place, slot);

@@ -1,6 +1,7 @@
 /* Who asks whether angles are small enough for sines without a branch, and of which rows. */
 #include "emit/emit.h"
 #include "base/template.h"
+#include "plan/tiles/tiles.h"
 #include <math.h>
 
 /* The largest |q| for which no angle leaves the domain of the bounded functions: a follower turns by a multiple of q. */
@@ -32,7 +33,7 @@ int emit_asks_by_parts(const struct emission *e)
 /* Does a kernel test all angles before it computes? Not one that finds out afterwards, and not one in parts with tests of their own. */
 static int kernels_ask(const struct emission *e)
 {
-	if (e->relay)
+	if (e->relay || (!e->part_count && emit_alone_least(e)))
 		return 1;
 	for (int i = 0; i < e->pass_count; i++)
 		if (emit_has_angles(e, &e->passes[i]) && (i || !(emit_is_optimistic(e) || emit_is_apart(e) || emit_asks_by_parts(e) || e->passes[i].segments.count)))
@@ -100,7 +101,12 @@ void emit_part_small(const struct emission *e, const struct part *part, struct t
 	text_init(&name, e->arena);
 	text_printf(&name, "%s_%s", e->options->name, part->pass.algorithm->name);
 	if (emit_has_known(e) && emit_has_angles(e, &part->pass))
-		put_small(e, "a part", text_string(&name), part->pass.stretches->own[0], out);
+		put_small(e, "a part", text_string(&name), tiles_rows(&part->pass)->own[0], out);
+}
+
+static int has_column_gap(const struct pass *p)
+{
+	return tiles_are_inputs(p) && p->tiles->own[0][1].rows > 0;
 }
 
 /* Of each run of the rows that a part reads. */
@@ -120,9 +126,9 @@ static void put_column_small(const struct emission *e, const struct pass *p, str
 		for (end = row; is_read[end]; end++)
 			;
 		if (end > row)
-			put_small_loop(e, (struct stretch){row, end - row}, "i", &loops);
+			put_small_loop(e, (struct stretch){row, end - row}, has_column_gap(p) && row >= p->tiles->second ? "(i - gap)" : "i", &loops);
 	}
-	put_small_of(e, "a part", text_string(&name), text_string(&loops), "", out);
+	put_small_of(e, "a part", text_string(&name), text_string(&loops), has_column_gap(p) ? ", const size_t gap" : "", out);
 }
 
 static int has_parts_small(const struct emission *e)
@@ -144,8 +150,8 @@ void emit_part_asks(const struct emission *e, struct text *out)
 		return;
 	text_init(&cases, e->arena);
 	for (int i = 0; i < e->part_count; i++)
-		text_printf(&cases, "\tcase %d:\n\t\treturn %s_%s_is_small(q, stride);\n", i, e->options->name,
-			e->parts[i].pass.algorithm->name);
+		text_printf(&cases, "\tcase %d:\n\t\treturn %s_%s_is_small(q, stride%s);\n", i, e->options->name,
+			e->parts[i].pass.algorithm->name, has_column_gap(&e->parts[i].pass) ? ", 0" : "");
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type},
 		{"CASES", text_string(&cases)}};
 

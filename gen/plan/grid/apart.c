@@ -43,8 +43,7 @@ enum { SHORT_AOS = 5500 };
 
 /* ---- parts ---- */
 
-/* Is each of its elements a joint's, row after row, once, or for q, qd and qdd? */
-static int is_by_row(const struct argument *a, int nv)
+int parts_is_by_row(const struct argument *a, int nv)
 {
 	static const enum role roles[] = {ROLE_JOINT_TORQUE, ROLE_GRAVITY_TORQUE, ROLE_BIAS_TORQUE, ROLE_JOINT_ACCELERATION};
 
@@ -89,7 +88,7 @@ static int may_be_apart(const struct parts_of *x)
 		o->precision == RNEAGEN_F32X2)
 		return 0;
 	for (size_t i = 0; i < d->output_count; i++)
-		if (!is_by_row(&d->arguments[d->outputs[i].argument], x->tree->nv))
+		if (!parts_is_by_row(&d->arguments[d->outputs[i].argument], x->tree->nv))
 			return 0;
 	for (int i = 0; i < d->argument_count; i++)
 		if (o->strict && d->arguments[i].per_batch)
@@ -120,7 +119,7 @@ static int are_written(const struct part *parts, int count)
 	return 1;
 }
 
-/* Does a product stand in the places of inputs? */
+/* Does a product stand in the places of inputs wherever it is staged? */
 static int has_places(const struct parts_of *x)
 {
 	return x->options->layout == RNEAGEN_AOS && request_wants_derivative(x->request);
@@ -154,7 +153,7 @@ static int find_places(int *can, const struct part *parts, int count, const stru
 		return 1;
 	*can = parts->pass.stretches->period && are_staged(parts, count, x->options) && are_written(parts, count);
 	for (int i = 0, serves; i < count && *can; i++) {
-		if (!places_serve(&serves, &parts[i].pass, a))
+		if (!places_serve(&serves, &parts[i].pass, parts[i].pass.stretches, a))
 			return 0;
 		*can = serves;
 	}
@@ -193,16 +192,22 @@ static int build(struct part *p, struct share *share, int owner, const char *nam
 
 typedef void make_stretches(struct stretches *s, const struct dag *d, int nv);
 
-/* The rows that it reads and writes, and its bodies. Returns 0 when memory runs out. */
+/* The rows that it reads and writes, and its bodies. In soa a product's rows stand in the places of inputs (tiles/tiles.h) where the order
+   of lines allows it. Returns 0 when memory runs out. */
 static int set_rows(struct part *p, make_stretches *make, const struct parts_of *x, struct arena *a)
 {
 	struct stretches *rows = arena_alloc(a, 1, sizeof *rows);
+	int serves = 1;
 
 	if (!rows)
 		return 0;
-	make(rows, &p->pass.dag, has_places(x) ? x->tree->nv : 0);
+	make(rows, &p->pass.dag, request_wants_derivative(x->request) ? x->tree->nv : 0);
 	p->pass.stretches = rows;
 	name_bodies(p, x->tree);
+	if (rows->period && !has_places(x) && !places_serve(&serves, &p->pass, rows, a))
+		return 0;
+	if (!serves)
+		make(rows, &p->pass.dag, 0);
 	return 1;
 }
 

@@ -43,6 +43,9 @@ static inline int parts_handed(const struct dag *d)
 	return d->argument_count - 1;
 }
 
+/* Is each of its elements a joint's, row after row, once, or for q, qd and qdd? (apart.c) */
+int parts_is_by_row(const struct argument *a, int nv);
+
 /* The most values at once of one of them. */
 int parts_alive(const struct part *parts, int count);
 

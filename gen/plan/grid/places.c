@@ -72,7 +72,7 @@ static size_t row_under(const struct last_lines *x, const struct stretches *s, c
 	return x->first[place] + (size_t)(is_divided ? o->row % s->period + s->shift : o->row);
 }
 
-int places_serve(int *serves, const struct pass *p, struct arena *a)
+int places_serve(int *serves, const struct pass *p, const struct stretches *s, struct arena *a)
 {
 	const struct plan *plan = &p->plan;
 	struct last_lines x = {0};
@@ -82,8 +82,8 @@ int places_serve(int *serves, const struct pass *p, struct arena *a)
 		return 0;
 	for (size_t l = 0; l < plan->line_count; l++) {
 		const struct output *o = plan->lines[l].kind == LINE_STORE ? &p->dag.outputs[plan->lines[l].index] : NULL;
-		size_t last = o && p->stretches->place_of[o->argument] != o->argument
-			? x.line[row_under(&x, p->stretches, o)] : plan->line_count;
+		size_t last = o && s->place_of[o->argument] != o->argument
+			? x.line[row_under(&x, s, o)] : plan->line_count;
 
 		*serves &= last == plan->line_count || last <= l;
 	}

@@ -232,7 +232,7 @@ static int make(struct trial *y, struct pass *p, int joints, int *serves, struct
 	done = done && y->loops->loop && find_numbers(y->loops, &p->dag, a) && each_gather(serves, p, &spare, a);
 	if (done && *serves)
 		*serves = find_sines(p, y->x, &spare);
-	done = done && (!*serves || places_serve(serves, p, &spare)) && !spare.failed;
+	done = done && (!*serves || places_serve(serves, p, p->stretches, &spare)) && !spare.failed;
 	arena_free(&spare);
 	return done;
 }

@@ -1,0 +1,201 @@
+#include "plan/tiles/tiles.h"
+#include "base/error.h"
+#include "plan/grid/places.h"
+#include "plan/stage.h"
+
+/* Operations of a text in parts of matrices beyond which it has such kernels; of others. */
+enum { LEAST_COLUMNS = 11000, LEAST_SINGLE = 1400, LEAST_DOUBLE = 2000 };
+
+/* Bytes of a sample with a vjp at most, of one part and of the only one: ptxas leaves room for no more than 640 of a thread, for what no
+   register holds among them. */
+enum { PRODUCT_BYTES = 560, ALONE_BYTES = 640 };
+
+/* Values at once of accelerations in f32, beyond which they would spill, and tiles take the room. */
+enum { FULL_FORWARD = 220 };
+
+/* Threads of a block: H100, ps of 4 M samples in blocks of 32, 64 and 128, tau with vjp in f32 of atlas 385, 346, 345, of g1_29dof 397, 349,
+   349; in f64 of g1_29dof 722, 714, 742. What a kernel has beside the tiles. */
+enum { MOST_THREADS = 64, OTHER_BYTES = 1024 };
+
+/* The first function, or its parts, which are to have tiles. */
+struct chosen {
+	struct pass *whole;
+	struct part *parts;
+	int count;
+	const struct parts_of *of;
+};
+
+/* Rows of a tile at most. */
+enum { MOST_ROWS = 256 };
+
+static int are_short(const struct stretches *s, const struct dag *d)
+{
+	for (int i = 0; i < d->argument_count; i++)
+		for (int k = 0; k < STRETCHES; k++)
+			if (s->own[i][k].rows > MOST_ROWS)
+				return 0;
+	return 1;
+}
+
+/* Where they have room. */
+static void set(struct pass *p, const struct stretches *s, const struct chosen *x)
+{
+	int bytes = stretches_words(s, &p->dag, x->of->options) * stage_number_bytes(x->of->options);
+
+	if (!are_short(s, &p->dag) || !tiles_block(bytes))
+		return;
+	if (request_wants_derivative(x->of->request) && !s->has_inputs_alone && bytes > (x->count > 1 ? PRODUCT_BYTES : ALONE_BYTES))
+		return;
+	p->tiles = s;
+}
+
+/* A part of matrices: its rows of inputs. */
+static int set_inputs(struct pass *p, const struct chosen *x, struct arena *a)
+{
+	struct stretches *s = arena_alloc(a, 1, sizeof *s);
+
+	if (!s)
+		return 0;
+	stretches_make_inputs(s, &p->dag);
+	set(p, s, x);
+	return 1;
+}
+
+/* Is every row that leaves written, and nothing written over before it is read? */
+static int serve(int *serves, const struct pass *p, const struct stretches *s, struct arena *a)
+{
+	if (!places_serve(serves, p, s, a))
+		return 0;
+	*serves = *serves && stretches_are_written(s, &p->dag);
+	return 1;
+}
+
+/* What has all rows of each array. */
+static int set_whole(struct pass *p, const struct chosen *x, struct arena *a)
+{
+	struct stretches *s = arena_alloc(a, 1, sizeof *s);
+	int serves;
+
+	if (!s)
+		return 0;
+	stretches_make_whole(s, &p->dag, 0);
+	if (!serve(&serves, p, s, a))
+		return 0;
+	if (serves)
+		set(p, s, x);
+	return 1;
+}
+
+/* What the copy engine moves must be each sample's own, in numbers of the arithmetic. */
+static int may_have(const struct chosen *x)
+{
+	const struct rneagen_options *o = x->of->options;
+	const struct dag *d = &x->whole->dag;
+
+	if (!x->of->has_kernels || o->layout != RNEAGEN_SOA || x->of->request->refine_steps)
+		return 0;
+	if (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64)
+		return 0;
+	for (int i = 0; i < d->argument_count; i++)
+		if (d->arguments[i].per_batch)
+			return 0;
+	return 1;
+}
+
+static int is_by_row(const struct chosen *x)
+{
+	const struct dag *d = &x->whole->dag;
+
+	for (size_t i = 0; i < d->output_count; i++)
+		if (!parts_is_by_row(&d->arguments[d->outputs[i].argument], x->of->tree->nv))
+			return 0;
+	return 1;
+}
+
+static int is_long(const struct chosen *x)
+{
+	unsigned operations = plan_flops(parts_operations(x->parts, x->count, &x->whole->plan));
+
+	if (x->count && !parts_are_apart(x->parts, x->count))
+		return operations > LEAST_COLUMNS;
+	return operations > (x->of->options->precision == RNEAGEN_F32 ? LEAST_SINGLE : LEAST_DOUBLE);
+}
+
+static int has_room(const struct chosen *x, struct arena *a)
+{
+	return !x->of->request->is_forward || x->of->options->precision != RNEAGEN_F32 || plan_alive(&x->whole->plan, a) <= FULL_FORWARD;
+}
+
+static int are_all(const struct chosen *x)
+{
+	for (int i = 0; i < x->count; i++)
+		if (!x->parts[i].pass.tiles)
+			return 0;
+	return 1;
+}
+
+/* A part with a vjp may leave its rows to the arrays themselves, where they have no places. */
+static int choose_apart(struct pass *p, const struct chosen *x, struct arena *a)
+{
+	int serves;
+
+	if (!serve(&serves, p, p->stretches, a))
+		return 0;
+	if (serves)
+		set(p, p->stretches, x);
+	return serves || x->count == 1 || !request_wants_derivative(x->of->request) || set_inputs(p, x, a);
+}
+
+static int choose_parts(const struct chosen *x, struct arena *a)
+{
+	for (int i = 0; i < x->count; i++) {
+		struct pass *p = &x->parts[i].pass;
+
+		if (!(parts_are_apart(x->parts, x->count) ? choose_apart(p, x, a) : set_inputs(p, x, a)))
+			return 0;
+	}
+	if (request_wants_derivative(x->of->request) && !are_all(x))
+		for (int i = 0; i < x->count; i++)
+			x->parts[i].pass.tiles = NULL;
+	return 1;
+}
+
+static int choose(const struct chosen *x, struct arena *a)
+{
+	if (!may_have(x) || !is_long(x))
+		return 1;
+	if (x->count)
+		return (x->count == 1 && !parts_are_apart(x->parts, 1)) || choose_parts(x, a);
+	return !is_by_row(x) || !has_room(x, a) || set_whole(x->whole, x, a);
+}
+
+enum rneagen_code tiles_choose(struct pass *whole, struct part *parts, int count, const struct parts_of *of, struct arena *a,
+	struct rneagen_error *e)
+{
+	const struct chosen x = {whole, parts, count, of};
+
+	return choose(&x, a) ? RNEAGEN_OK : error_memory(e);
+}
+
+int tiles_words(const struct pass *p, const struct rneagen_options *o)
+{
+	return stretches_words(p->tiles, &p->dag, o);
+}
+
+int tiles_block(int bytes)
+{
+	for (int threads = MOST_THREADS; threads >= WARP_THREADS; threads /= 2)
+		if (threads * bytes <= SHARED_BYTES - OTHER_BYTES)
+			return threads;
+	return 0;
+}
+
+int tiles_are_inputs(const struct pass *p)
+{
+	return p->tiles != NULL && p->tiles->has_inputs_alone;
+}
+
+const struct stretches *tiles_rows(const struct pass *p)
+{
+	return tiles_are_inputs(p) ? p->tiles : p->stretches;
+}
