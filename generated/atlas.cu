@@ -7,7 +7,7 @@
  *   rnea: 552 mul, 241 add, 131 sub, 132 neg, 749 fma, 27 sincos = 2422 flops
  *   fpass: 710 mul, 236 add, 198 sub, 180 neg, 798 fma, 27 sincos = 2740 flops
  *   bpass: 121 mul, 149 add, 12 sub, 36 neg, 161 fma, 27 sincos = 604 flops
- * From 540672 samples on atlas_rnea_launch takes atlas_rnea_part0_kernel and so on, one for each part, instead, where
+ * From 524288 samples on atlas_rnea_launch takes atlas_rnea_part0_kernel and so on, one for each part, instead, where
  * the rows of all arrays begin at multiples of 16 bytes.
  * Up to 1024 samples atlas_rnea_launch takes the kernel atlas_rnea_limbs, whose 4 warps share out each sample.
  *
@@ -3780,7 +3780,7 @@ RNEA_INFO const char atlas_info[] =
 	"input qdd 30 f32 sample joint_acceleration\n"
 	"output tau 30 f32 sample joint_torque\n"
 	"operations 552 241 131 132 749 27\n"
-	"part_kernels 540672 1 64\n"
+	"part_kernels 524288 1 64\n"
 	"tiles 0 30 1 30 2 30 3 30\n"
 	"limbs 4 2 2176 1024\n"
 	"function fpass\n"
@@ -3816,7 +3816,7 @@ RNEA_INFO const char atlas_info[] =
 /* Kernels of large batches, of this many samples and more, one for each part, in blocks of so many threads: no two
    parts then share a
    multiprocessor. */
-#define RNEA_PART_KERNELS 540672
+#define RNEA_PART_KERNELS 524288
 #define RNEA_PART_BLOCK 64
 /* Tiles: some rows of a block's samples, which a copy engine moves by a tensor map, from compute capability 9.0 on.
    Elsewhere the kernels

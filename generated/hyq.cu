@@ -7,7 +7,7 @@
  *   rnea: 316 mul, 177 add, 106 sub, 88 neg, 507 fma, 12 sincos = 1613 flops
  *   fpass: 339 mul, 136 add, 146 sub, 120 neg, 551 fma, 12 sincos = 1723 flops
  *   bpass: 56 mul, 72 add, 8 sub, 29 neg, 116 fma, 12 sincos = 368 flops
- * From 540672 samples on hyq_rnea_launch takes hyq_rnea_part0_kernel and so on, one for each part, instead, where
+ * From 524288 samples on hyq_rnea_launch takes hyq_rnea_part0_kernel and so on, one for each part, instead, where
  * the rows of all arrays begin at multiples of 16 bytes.
  * Up to 1024 samples hyq_rnea_launch takes the kernel hyq_rnea_limbs, whose 4 warps share out each sample.
  *
@@ -2357,7 +2357,7 @@ RNEA_INFO const char hyq_info[] =
 	"input qdd 18 f32 sample joint_acceleration\n"
 	"output tau 18 f32 sample joint_torque\n"
 	"operations 316 177 106 88 507 12\n"
-	"part_kernels 540672 1 64\n"
+	"part_kernels 524288 1 64\n"
 	"tiles 0 19 1 18 2 18 3 18\n"
 	"limbs 4 2 3712 1024\n"
 	"function fpass\n"
@@ -2393,7 +2393,7 @@ RNEA_INFO const char hyq_info[] =
 /* Kernels of large batches, of this many samples and more, one for each part, in blocks of so many threads: no two
    parts then share a
    multiprocessor. */
-#define RNEA_PART_KERNELS 540672
+#define RNEA_PART_KERNELS 524288
 #define RNEA_PART_BLOCK 64
 /* Tiles: some rows of a block's samples, which a copy engine moves by a tensor map, from compute capability 9.0 on.
    Elsewhere the kernels

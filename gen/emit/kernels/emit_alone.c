@@ -4,7 +4,7 @@
 
 /* Of matrices: from one warp for each scheduler of an H100 on; of texts longer than so many operations. Of rows that move as tiles: from so
    many samples on, and with a vjp or jvp. */
-enum { LEAST_SAMPLES = 132 * 128, LEAST_OPERATIONS = 11000, LEAST_TILED = 132 * 4096, LEAST_PRODUCT = 132 * 1920 };
+enum { LEAST_SAMPLES = 132 * 128, LEAST_OPERATIONS = 11000, LEAST_TILED = 1 << 19, LEAST_PRODUCT = 132 * 1920 };
 
 /* Smaller batches leave multiprocessors idle that the one kernel gives other parts. Beyond, the blocks of one part do not share a
    multiprocessor with those of another, and each takes the registers that it needs. In f64 all parts take all registers there are: without
