@@ -500,7 +500,7 @@ void emit_part_small(const struct emission *e, const struct part *part, struct t
 
 /* Does each part for matrices ask of the rows that it reads alone? The functions that do; the one that asks for a block's part. */
 int emit_asks_by_parts(const struct emission *e);
-void emit_parts_small(const struct emission *e, struct text *out);
+void emit_parts_small(const struct emission *e, int is_alone, struct text *out);
 void emit_part_asks(const struct emission *e, struct text *out);
 
 /* The functions that fill the tables of sines; the macro that tells the runtime what stack they take. */

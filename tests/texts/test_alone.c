@@ -25,7 +25,6 @@ static const struct subject {
 	{"hyq", "want qdd,dqdd_dq,dqdd_dqd\n", 1, 6, "16896", 0},   /* a relay's second kernel, without tiles */
 	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, 4, "16896", 0}, /* it asks for angles first */
 	{"g1_29dof", "want tau,vjp\n", 0, 0, "253440", 1},	       /* outputs in the places of inputs */
-	{"chain_75", "want tau,vjp\n", 0, 0, "253440", 0},	       /* hands, whose outputs have no places */
 	{"chain_75", "", 0, 0, "524288", 1},			       /* hands, and rows with a gap */
 	{"atlas", "", 0, 0, "524288", 0},			       /* whole */
 	{"atlas", "want qdd\n", 0, 0, "524288", 1},

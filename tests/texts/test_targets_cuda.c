@@ -61,10 +61,24 @@ static int has_limbs(const struct target *t)
 	return strstr(t->text.source, "#define RNEA_LIMBS ") != NULL;
 }
 
+enum { KERNELS = 8 };
+
+/* Kernels of large batches. */
+static int large_kernels(const struct target *t)
+{
+	static const char head[] = "__launch_bounds__(RNEA_PART_BLOCK)";
+	int count = 0;
+
+	for (const char *s = t->text.source; (s = strstr(s, head)) != NULL; s += strlen(head))
+		count++;
+	return count;
+}
+
 /* Is the name one of the text's: NAME_rnea_kernel and so on? */
 static int is_kernel(const struct target *t, const char *name)
 {
-	static const char *const kernels[] = {"_rnea_kernel", "_fpass_kernel", "_bpass_kernel", "_rnea_limbs", "_rnea_part0_kernel"};
+	static const char *const kernels[] = {"_rnea_kernel", "_fpass_kernel", "_bpass_kernel", "_rnea_limbs",
+		"_rnea_part0_kernel", "_rnea_part1_kernel"};
 	size_t own = strlen(t->text.name);
 
 	for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++)
@@ -95,10 +109,10 @@ static void remove_files(const struct target *t)
 
 static void check_nvcc(const struct target *t, const char *robot, int no_spill)
 {
-	struct kernel_use kernels[6];
-	int n = compile(t, kernels, 6);
+	struct kernel_use kernels[KERNELS];
+	int n = compile(t, kernels, KERNELS);
 
-	ck_assert_msg(n == 3 + has_limbs(t) + (strstr(t->text.source, "#define RNEA_PART_KERNELS ") != NULL), "%s: %d kernels", t->what, n);
+	ck_assert_msg(n == 3 + has_limbs(t) + large_kernels(t), "%s: %d kernels", t->what, n);
 	for (int i = 0; i < n; i++) {
 		const struct kernel_use *k = &kernels[i];
 

@@ -41,6 +41,7 @@ void emit_alone(const struct emission *e, struct text *out)
 	emit_tiles(e, &tiles);
 	for (int i = 0; i < e->part_count && emit_is_apart(e); i++)
 		emit_part_small(e, &e->parts[i], out);
+	emit_parts_small(e, 1, &kernels);
 	for (int i = 0; i < emit_alone_count(e); i++)
 		emit_alone_kernel(e, i, &kernels);
 	const struct slot slots[] = {{"LEAST", emit_int(e, emit_alone_least(e))}, {"BLOCK", emit_int(e, emit_alone_block(e))},

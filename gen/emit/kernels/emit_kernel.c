@@ -230,7 +230,7 @@ void emit_kernels(const struct emission *e, struct text *out)
 {
 	emit_zeros(e, out);
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
-	emit_parts_small(e, out);
+	emit_parts_small(e, 0, out);
 	emit_alone(e, out);
 	emit_part_asks(e, out);
 	if (e->relay && e->relay->start_count)

@@ -27,13 +27,13 @@ static int tests_angles(const struct emission *e)
 
 int emit_asks_by_parts(const struct emission *e)
 {
-	return emit_has_columns(e) && !emit_is_optimistic(e);
+	return emit_has_columns(e) && (!emit_is_optimistic(e) || emit_has_tiles(e));
 }
 
 /* Does a kernel test all angles before it computes? Not one that finds out afterwards, and not one in parts with tests of their own. */
 static int kernels_ask(const struct emission *e)
 {
-	if (e->relay || (!e->part_count && emit_alone_least(e)))
+	if (e->relay)
 		return 1;
 	for (int i = 0; i < e->pass_count; i++)
 		if (emit_has_angles(e, &e->passes[i]) && (i || !(emit_is_optimistic(e) || emit_is_apart(e) || emit_asks_by_parts(e) || e->passes[i].segments.count)))
@@ -78,7 +78,7 @@ static void put_small(const struct emission *e, const char *what, const char *na
 
 const char *emit_is_small(const struct emission *e)
 {
-	int host_only = e->target->kernel && !kernels_ask(e);
+	int host_only = e->target->kernel && !kernels_ask(e), is_for_alone = !e->part_count && emit_alone_least(e) > 0;
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -87,7 +87,7 @@ const char *emit_is_small(const struct emission *e)
 	if (!tests_angles(e))
 		return emit_sines(e);
 	if (host_only)
-		text_printf(&t, "#if !defined %s\n", e->target->kernel->compiler);
+		text_printf(&t, "#if !defined %s%s\n", e->target->kernel->compiler, is_for_alone ? " || !defined RNEA_NO_PART_KERNELS" : "");
 	put_small(e, "a sample", e->options->name, (const struct stretch[STRETCHES]){{0, e->tree->nq}}, &t);
 	text_put(&t, host_only ? "#endif\n" : "");
 	text_put(&t, emit_sines(e));
@@ -136,9 +136,9 @@ static int has_parts_small(const struct emission *e)
 	return emit_has_known(e) && emit_has_angles(e, emit_main(e)) && emit_asks_by_parts(e);
 }
 
-void emit_parts_small(const struct emission *e, struct text *out)
+void emit_parts_small(const struct emission *e, int is_alone, struct text *out)
 {
-	for (int i = 0; i < e->part_count && has_parts_small(e); i++)
+	for (int i = 0; i < e->part_count && has_parts_small(e) && is_alone == emit_is_optimistic(e); i++)
 		put_column_small(e, &e->parts[i].pass, out);
 }
 
@@ -146,7 +146,7 @@ void emit_part_asks(const struct emission *e, struct text *out)
 {
 	struct text cases;
 
-	if (!has_parts_small(e))
+	if (!has_parts_small(e) || emit_is_optimistic(e))
 		return;
 	text_init(&cases, e->arena);
 	for (int i = 0; i < e->part_count; i++)

@@ -180,8 +180,7 @@ void emit_tiled_kernel(const struct emission *e, const struct tiled_kernel *k, s
 	blocks.block = "RNEA_PART_BLOCK";
 	const struct slices s = emit_slices(&blocks, &part);
 	const struct call call = {.indent = "\t\t", .arguments = s.here, .q = "q_here", .stride = are_inputs ? "count" : "RNEA_PART_BLOCK",
-		.q_stride = "RNEA_PART_BLOCK", .part = k->part, .is_staged = 1, .is_tiled = 1, .handed = k->handed,
-		.is_optimistic = are_inputs && emit_is_optimistic(e)};
+		.q_stride = "RNEA_PART_BLOCK", .part = k->part, .is_staged = 1, .is_tiled = 1, .handed = k->handed};
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", k->name}, {"T", e->memory->type},
 		{"PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"SPILL", k->spill},
 		{"WORDS", emit_int(e, tiles_words(p, e->options))}, {"SLICES", s.slices}, {"TILES", moves_text(e, p, 0, &rows)},

@@ -126,6 +126,7 @@ static int has_room(const struct chosen *x, struct arena *a)
 	return !x->of->request->is_forward || x->of->options->precision != RNEAGEN_F32 || plan_alive(&x->whole->plan, a) <= FULL_FORWARD;
 }
 
+/* With a vjp hands leave what they hand on between rows of others: then no part has tiles. */
 static int are_all(const struct chosen *x)
 {
 	for (int i = 0; i < x->count; i++)
@@ -134,7 +135,7 @@ static int are_all(const struct chosen *x)
 	return 1;
 }
 
-/* A part with a vjp may leave its rows to the arrays themselves, where they have no places. */
+/* A part that shares nothing with others. */
 static int choose_apart(struct pass *p, const struct chosen *x, struct arena *a)
 {
 	int serves;
@@ -143,7 +144,7 @@ static int choose_apart(struct pass *p, const struct chosen *x, struct arena *a)
 		return 0;
 	if (serves)
 		set(p, p->stretches, x);
-	return serves || x->count == 1 || !request_wants_derivative(x->of->request) || set_inputs(p, x, a);
+	return 1;
 }
 
 static int choose_parts(const struct chosen *x, struct arena *a)
