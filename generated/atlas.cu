@@ -3859,8 +3859,8 @@ static __device__ __forceinline__ void rneagen_tiles_begin(unsigned bytes)
 
 static __device__ __forceinline__ void rneagen_tile_in(const void *slice, const rneagen_tile_map *map, int row)
 {
-	asm volatile(
-		"cp.async.bulk.tensor.2d.shared::cluster.global.tile.mbarrier::complete_tx::bytes [%0], [%1, {%2, %3}], [%4];" ::
+	asm volatile("cp.async.bulk.tensor.2d.shared::cluster.global.tile.mbarrier::complete_tx::bytes "
+		"[%0], [%1, {%2, %3}], [%4];" ::
 		"r"((unsigned)__cvta_generic_to_shared(slice)), "l"(map), "r"(blockIdx.x*RNEA_PART_BLOCK), "r"(row),
 		"r"(rneagen_tiles_barrier()) : "memory");
 }

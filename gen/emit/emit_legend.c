@@ -155,6 +155,11 @@ static int has_period(const struct pass *p)
 	return p->stretches && p->stretches->period;
 }
 
+static int has_gap(const struct pass *p)
+{
+	return tiles_rows(p) && tiles_rows(p)->gap;
+}
+
 static int has_part(const struct emission *e, int (*is)(const struct pass *p))
 {
 	for (int i = 0; i < e->part_count; i++)
@@ -173,6 +178,8 @@ static void put_functions(const struct emission *e, struct text *out)
 	if (emit_hands(e))
 		put_entry("handed gap step",
 			"what hands left in the last array; rows that a part's slice lacks; from a row of handed to the next", out);
+	if (!emit_hands(e) && has_part(e, has_gap))
+		put_entry("gap", "rows that a part's tiles lack", out);
 	if (has_part(e, tiles_are_inputs))
 		put_entry("inner", "from one row of an input to the next, which may be in a tile", out);
 	if (has_part(e, has_period))
