@@ -3780,7 +3780,7 @@ RNEA_INFO const char atlas_info[] =
 	"input qdd 30 f32 sample joint_acceleration\n"
 	"output tau 30 f32 sample joint_torque\n"
 	"operations 552 241 131 132 749 27\n"
-	"part_kernels 524288 1 64\n"
+	"part_kernels 524288 1 64 90\n"
 	"tiles 0 30 1 30 2 30 3 30\n"
 	"limbs 4 2 2176 1024\n"
 	"function fpass\n"
@@ -3821,7 +3821,7 @@ RNEA_INFO const char atlas_info[] =
 /* Tiles: some rows of a block's samples, which a copy engine moves by a tensor map, from compute capability 9.0 on.
    Elsewhere the kernels
    of parts work on the arrays themselves. */
-#if defined __CUDACC_VER_MAJOR__ && __CUDACC_VER_MAJOR__ >= 12
+#if defined __CUDACC_VER_MAJOR__ && __CUDACC_VER_MAJOR__ >= 12 && defined __CUDA_ARCH__ && __CUDA_ARCH__ >= 700
 #define RNEA_GRID_CONSTANT __grid_constant__
 #else
 #define RNEA_GRID_CONSTANT
@@ -5597,8 +5597,9 @@ static int rneagen_make_tile(rneagen_tile_map *map, void *array, size_t count, u
 }
 #endif
 
-/* The maps of the tiles. Returns 0 where a kernel of a part cannot run: the rows of an array do not begin at multiples
-   of 16 bytes. */
+/* The maps of the tiles. Returns 0 where the one kernel is to run: the rows of an array do not begin at multiples of 16
+   bytes, or there is
+   no copy engine, without which it is faster. */
 static int atlas_make_tiles(atlas_tiles *tiles, void *const *arguments, size_t count)
 {
 	static const struct {
@@ -5609,8 +5610,8 @@ static int atlas_make_tiles(atlas_tiles *tiles, void *const *arguments, size_t c
 	if (cudaGetDevice(&device) != cudaSuccess ||
 		cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device) != cudaSuccess)
 		return 0;
-	if (major < 9) /* the kernels read no maps there */
-		return 1;
+	if (major < 9)
+		return 0;
 #if CUDART_VERSION >= 12000
 	if (count > 0x7fffffff - RNEA_PART_BLOCK)
 		return 0;
@@ -5618,10 +5619,11 @@ static int atlas_make_tiles(atlas_tiles *tiles, void *const *arguments, size_t c
 		if (!rneagen_make_tile(&tiles->map[i], *(void **)arguments[each[i].argument], count, each[i].rows,
 			each[i].tile))
 			return 0;
+	return 1;
 #else
 	(void)tiles, (void)arguments, (void)count, (void)each;
+	return 0;
 #endif
-	return 1;
 }
 #endif
 

@@ -216,7 +216,8 @@ struct rnea_function {
 	struct rnea_limbs start_limbs; /* of the kernel NAME_FUNCTION_start_limbs, which takes the place of the first */
 	/* Several kernels with the same parameters, one after the other, where the batch is larger than limbs.most: before the function's
 	   own rnea_launch and rnea_run launch NAME_FUNCTION_hands_kernel, then NAME_FUNCTION_hands1_kernel and so on, in the same blocks
-	   with the same shared memory, and so many along y of each; 0: there is no such kernel, and none after it */
+	   with the same shared memory, and so many along y of each, unless part kernels run, the first of which are of hands; 0: there is no such kernel, and none
+	   after it */
 	unsigned hands[RNEA_HANDS_LIMIT];
 	/* From so many samples on rnea_launch launches, instead of the kernel with all parts along y, NAME_FUNCTION_part0_kernel,
 	   NAME_FUNCTION_part1_kernel and so on, part_count of them, in blocks of part_block threads, one along y, for as many samples; 0:
@@ -225,6 +226,7 @@ struct rnea_function {
 	   part_block samples and so many rows. From compute capability 9.0 on rows have to begin at multiples of 16 bytes for that: else
 	   the other kernel runs */
 	size_t part_kernels;
+	unsigned part_arch; /* compute capability from which on they pay, ten times */
 	unsigned part_count, part_block, tile_count;
 	struct rnea_tile tiles[RNEA_TILE_LIMIT];
 };
@@ -276,7 +278,8 @@ struct rnea_options {
 	enum rnea_backend backend;
 	const char *file;    /* what messages call the text; NULL: its robot's name with ".cu", or the file's path */
 	int device;          /* CUDA ordinal, as CUDA_VISIBLE_DEVICES leaves them; default 0. HOST: not used */
-	unsigned block;      /* threads per block, 1 to 1024, or RNEA_BLOCK_OCCUPANCY; 0: what the text says. HOST: not used */
+	unsigned block;      /* threads per block, 1 to 1024, or RNEA_BLOCK_OCCUPANCY; 0: what the text says. Kernels of small and of large
+				batches have blocks of their own. HOST: not used */
 	unsigned threads;    /* HOST: how many one launch may use; CUDA: rnea_run, of which it takes 8 at most. 0: one for
 				each processor */
 	const char *cache;   /* folder of the cache; NULL: as the environment says; "": no cache */

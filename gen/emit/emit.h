@@ -317,7 +317,7 @@ void emit_put_sample_call(const struct emission *e, const struct pass *p, const 
 
 /* Parameters of the body of a part that come after the stride, each after a comma, and what a call gives for them: the stride of inputs, how
    many rows are left out of its slices, how much further a vjp goes on from one place to the next, and where hands have left something, with the
-   stride there. The first of these alone. Launches the kernels of the hands. */
+   stride there. The second of these alone. Launches the kernels of the hands. */
 const char *emit_more_params(const struct emission *e, const struct pass *p);
 const char *emit_more(const struct emission *e, const struct pass *p, int is_staged, const char *inner, const char *handed);
 const char *emit_gap(const struct emission *e, const struct pass *p, int is_staged);
@@ -336,10 +336,12 @@ int emit_relay_bytes(const struct emission *e);
 #define EMIT_UNLESS_LIMBS "#if !defined RNEA_ONLY_LIMBS\n"
 const char *emit_unless_limbs(const struct emission *e, const char *what);
 
-/* Kernels of the parts of matrices, each alone (emit_alone.c): from how many samples on a launch takes them (0: there are none),
-   themselves, with a guard of all that follows, and their launch. */
+/* Kernels of large batches, one for each part or for the whole (emit_alone.c): from how many samples on a launch takes them (0: there are
+   none), whether they pay without tiles, what they are of, their names and threads, themselves, with a guard of all that follows, and their
+   launch. */
 #define EMIT_UNLESS_ALONE "#if !defined RNEA_ONLY_PART_KERNELS\n"
 int emit_alone_least(const struct emission *e);
+int emit_serves_untiled(const struct emission *e);
 int emit_alone_count(const struct emission *e);
 const struct pass *emit_alone_pass(const struct emission *e, int part);
 const char *emit_alone_name(const struct emission *e, int part);
@@ -378,9 +380,10 @@ const char *emit_stage_launch(const struct emission *e);
 const char *emit_given(const struct emission *e, const char *kernel);
 int emit_stage_bytes(const struct emission *e);
 
-/* Do the statements store by RNEA_STORE? What that means, or RNEA_HOLD and RNEA_FLUSH where outputs leave through windows; else
+/* Do the statements store by RNEA_STORE? May it be to shared memory? What that means, or RNEA_HOLD and RNEA_FLUSH where outputs leave through windows; else
    "". The calls of a pass's flush. */
 int emit_is_streamed(const struct emission *e);
+int emit_stores_to_tiles(const struct emission *e);
 const char *emit_store(const struct emission *e);
 void emit_put_flush(const struct emission *e, const struct pass *p, int flush, struct text *out);
 

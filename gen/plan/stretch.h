@@ -23,7 +23,8 @@ struct stretches {
 	int second; /* with a gap: rows from this one on are of second stretches */
 	int gap;    /* rows between both; in shared memory there are none. 0: all is in the first ones */
 	int has_inputs_alone; /* what is written goes to the arrays themselves */
-	struct stretch own[DAG_ARGUMENTS][STRETCHES];   /* of each array, or of each period; what nothing is read of has one row */
+	struct stretch own[DAG_ARGUMENTS][STRETCHES];   /* of each array, or of each period; what nothing is read of has one row,
+	                                                  where there are inputs alone none */
 	struct stretch place[DAG_ARGUMENTS][STRETCHES]; /* the same where it stands in shared memory: tau in the place of qdd */
 };
 

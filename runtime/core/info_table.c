@@ -73,7 +73,9 @@ static enum rnea_code read_part_kernels(struct parser *p)
 
 	if (words_number(&p->w, &f->part_kernels, 1, SIZE_MAX / 2) || info_count(p, &f->part_count, 1, PARTS_LIMIT))
 		return p->w.error->code;
-	return info_count(p, &f->part_block, 1, PART_BLOCK_LIMIT);
+	if (info_count(p, &f->part_block, 1, PART_BLOCK_LIMIT))
+		return p->w.error->code;
+	return info_count(p, &f->part_arch, 0, ARCH_LIMIT);
 }
 
 static enum rnea_code read_relay(struct parser *p)

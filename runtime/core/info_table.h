@@ -34,8 +34,9 @@
 	hands N ...                               (a launch runs NAME_FUNCTION_hands_kernel before its kernel, with so many blocks along
 	                                          y, unless the kernel of small batches runs; where more numbers stand, before its kernel
 	                                          NAME_FUNCTION_hands1_kernel, NAME_FUNCTION_hands2_kernel, ... too)
-	part_kernels SAMPLES KERNELS THREADS      (from so many samples on a launch runs NAME_FUNCTION_part0_kernel,
-	                                          NAME_FUNCTION_part1_kernel, ..., in such blocks, instead of its kernel)
+	part_kernels SAMPLES KERNELS THREADS ARCH (from so many samples on a launch runs NAME_FUNCTION_part0_kernel,
+	                                          NAME_FUNCTION_part1_kernel, ..., in such blocks, instead of its kernel, hands among
+	                                          them; from this compute capability on, ten times)
 	tiles ARGUMENT ROWS ...                   (of each a tensor map: what these kernels take beside their parameters)
 
    ROLE is a word of RNEA_ROLES; OF is the link, joint or constant that it speaks of, and goes to the end of the line. A

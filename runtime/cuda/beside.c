@@ -12,14 +12,14 @@ static void *compile(void *build)
 	return NULL;
 }
 
-int beside_begin(struct beside *b, const struct image_request *r, enum image_share share, unsigned block)
+int beside_begin(struct beside *b, const struct image_request *r, enum image_share share)
 {
 	memset(b, 0, sizeof *b);
 	if (!image_has(r, share))
 		return 0;
 	b->request = *r;
 	b->request.share = share;
-	b->request.block = block;
+	b->request.block = 0;
 	b->request.log = NULL;
 	b->request.unkept = NULL;
 	b->key = image_key(&b->request, &b->key_length);

@@ -15,9 +15,9 @@ struct beside {
 	int has_thread, cached;
 };
 
-/* Begin, where the text has kernels of such a share; *r, and what it points to, must live until beside_end. `block` as in
-   image_compile. Returns whether it has. */
-int beside_begin(struct beside *b, const struct image_request *r, enum image_share share, unsigned block);
+/* Begin, where the text has kernels of such a share; *r, and what it points to, must live until beside_end. Their blocks are the
+   text's. Returns whether it has. */
+int beside_begin(struct beside *b, const struct image_request *r, enum image_share share);
 
 /* Wait for it, and load it: the module, or NULL. The context must be current. */
 void *beside_load(struct beside *b, const struct device *d);

@@ -294,8 +294,8 @@ static void open_text(struct driver *c, const struct image_request *r, struct rn
 	int has_limbs, has_alone;
 
 	mine.arch = c->device.arch;
-	has_limbs = beside_begin(&limbs, &mine, IMAGE_LIMBS, 0); /* both have blocks of their own */
-	has_alone = beside_begin(&alone, &mine, IMAGE_ALONE, 0);
+	has_limbs = beside_begin(&limbs, &mine, IMAGE_LIMBS); /* both have blocks of their own */
+	has_alone = beside_begin(&alone, &mine, IMAGE_ALONE);
 	if (has_limbs || has_alone)
 		mine.share = IMAGE_MAIN;
 	if (!load(c, &mine, e) && !read_info(c, r->source, info, e) && !find_kernels(c, r->source, info, e)) {

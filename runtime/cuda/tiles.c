@@ -19,7 +19,7 @@ int tiles_make(struct tile_map maps[RNEA_TILE_LIMIT], const struct device *d, co
 	size_t count)
 {
 	if (d->arch < FIRST_ARCH)
-		return 1;
+		return d->arch >= (int)f->part_arch;
 	if (f->tile_count && (!d->api.tensor_map_encode_tiled || count > (size_t)INT32_MAX - f->part_block))
 		return 0;
 	for (unsigned i = 0; i < f->tile_count; i++) {

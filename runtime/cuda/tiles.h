@@ -9,7 +9,7 @@ struct tile_map { /* CUtensorMap */
 };
 
 /* Those of a function's kernels of parts, in blocks of so many threads. Returns 0 where these cannot run on such arrays, or so many
-   samples: rows have to begin at multiples of 16 bytes. A device without such an engine needs none. */
+   samples, for rows have to begin at multiples of 16 bytes, or do not pay. A device without such an engine needs no maps. */
 int tiles_make(struct tile_map maps[RNEA_TILE_LIMIT], const struct device *d, const struct rnea_function *f, void *const *arrays,
 	size_t count);
 

@@ -106,7 +106,7 @@ END_TEST
 	COUNTS
 #define SECOND                                                                                                         \
 	"function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts " \
-	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nstart_parts 2\nhands 3\npart_kernels 16896 5 64\ntiles 0 7 1 2\n"               \
+	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nstart_parts 2\nhands 3\npart_kernels 16896 5 64 90\ntiles 0 7 1 2\n"               \
 	"operations 1 2 3 4 5 6\n"
 
 /* Since version 7 each kernel of hands has a number. */
@@ -147,7 +147,7 @@ START_TEST(reads_functions)
 	ck_assert(f[0].start_limbs.warps == 0 && f[1].start_limbs.warps == 8 && f[1].start_limbs.groups == 1);
 	ck_assert(f[1].start_limbs.bytes == 520 && f[1].start_limbs.most == 32);
 	ck_assert(f[0].start_parts == 1 && f[1].start_parts == 2 && f[0].part_kernels == 0 && f[1].part_kernels == 16896);
-	ck_assert(f[1].part_count == 5 && f[1].part_block == 64 && f[0].tile_count == 0 && f[1].tile_count == 2);
+	ck_assert(f[1].part_count == 5 && f[1].part_block == 64 && f[1].part_arch == 90 && f[0].tile_count == 0 && f[1].tile_count == 2);
 	ck_assert(f[1].tiles[0].argument == 0 && f[1].tiles[0].rows == 7 && f[1].tiles[1].argument == 1 && f[1].tiles[1].rows == 2);
 	ck_assert(f[1].stage_bytes == 72 && f[1].parts == 2 && f[1].operations.sincos == 6 && f[1].matrix_count == 0);
 	rnea_info_free(&i);
@@ -281,9 +281,9 @@ static const struct damage {
 	{"rneagen-info 7\nfunction f\nhands 3 0\n", "line 3: the number is out of range"},
 	{"rneagen-info 7\nfunction f\nhands 1 1 1 1 1 1 1 1 1\n", "line 3: more than expected: \"1\""},
 	{"rneagen-info 6\nfunction f\nstart_parts 1\n", "line 3: the number is out of range"},
-	{"rneagen-info 3\nfunction f\npart_kernels 0 1 64\n", "line 3: the number is out of range"},
-	{"rneagen-info 3\nfunction f\npart_kernels 16896 1\n", "line 3: a number is missing"},
-	{"rneagen-info 3\nfunction f\npart_kernels 16896 1 512\n", "line 3: the number is out of range"},
+	{"rneagen-info 3\nfunction f\npart_kernels 0 1 64 0\n", "line 3: the number is out of range"},
+	{"rneagen-info 3\nfunction f\npart_kernels 16896 1 64\n", "line 3: a number is missing"},
+	{"rneagen-info 3\nfunction f\npart_kernels 16896 1 512 0\n", "line 3: the number is out of range"},
 	{"rneagen-info 3\nfunction f\ntiles 0 7\n", "line 3: tiles come after the arrays"},
 	{"rneagen-info 3\nfunction f\noutput tau 7 f64 sample joint_torque\ntiles 1 7\n", "line 4: the number is out of range"},
 	{"rneagen-info 3\nfunction f\noutput tau 7 f64 sample joint_torque\ntiles 0 7 0\n", "line 4: a number is missing"},

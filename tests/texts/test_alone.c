@@ -150,6 +150,28 @@ START_TEST(test_values)
 }
 END_TEST
 
+/* With wrenches of many links parts have more tiles than a launch passes on: then they have none. It would catch kernels of maps that are
+   not there. */
+START_TEST(test_too_many)
+{
+	static const char *const links[] = {"head", "l_clav", "l_foot", "l_hand", "l_larm", "l_lfarm", "l_lglut", "l_lleg", "l_scap",
+		"l_talus", "l_uarm", "l_ufarm", "l_uglut", "l_uleg", "ltorso", "mtorso", "r_clav", "r_foot", "r_hand", "r_larm",
+		"r_lfarm", "r_lglut", "r_lleg", "r_scap", "r_talus", "r_uarm"};
+	struct subject s = {"atlas", NULL, 0, 0, "16896", 0};
+	char scene[2048] = "want tau,dtau_dq,dtau_dqd\n";
+	struct target t;
+
+	for (size_t i = 0; i < sizeof links / sizeof *links; i++)
+		snprintf(scene + strlen(scene), sizeof scene - strlen(scene), "fext %s\n", links[i]);
+	s.scene = scene;
+	generate(&s, s.parts, &t);
+	ck_assert_ptr_nonnull(strstr(t.text.source, "_part0_kernel("));
+	ck_assert_ptr_null(strstr(t.text.source, "tiles.map"));
+	ck_assert_ptr_null(strstr(t.text.source, "inner"));
+	rneagen_result_free(&t.text);
+}
+END_TEST
+
 /* An option leaves them out; where their program does not compile there are none. */
 START_TEST(test_without)
 {
@@ -233,6 +255,7 @@ int main(void)
 	setenv("RNEA_FAKE_PARTS", "1", 1);
 	suite_add(s, "values", test_values, SUBJECT_COUNT, 600);
 	suite_add(s, "without", test_without, 2, 120);
+	suite_add(s, "too_many", test_too_many, 1, 120);
 	suite_add(s, "program", test_program, sizeof PROGRAMS / sizeof *PROGRAMS, 120);
 	suite_add(s, "launch", test_launch, 1, 120);
 	return suite_run(s);

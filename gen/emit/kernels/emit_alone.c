@@ -15,9 +15,14 @@ int emit_alone_least(const struct emission *e)
 		return 0;
 	if (!emit_has_columns(e))
 		return !emit_has_tiles(e) ? 0 : request_wants_derivative(e->request) ? LEAST_PRODUCT : LEAST_TILED;
-	if (e->part_count < 2 || (e->arithmetic->bytes != 4 && !emit_has_tiles(e)))
+	if (e->part_count < 2 || !(emit_serves_untiled(e) || emit_has_tiles(e)))
 		return 0;
 	return plan_flops(parts_operations(e->parts, e->part_count, &emit_main(e)->plan)) > LEAST_OPERATIONS ? LEAST_SAMPLES : 0;
+}
+
+int emit_serves_untiled(const struct emission *e)
+{
+	return emit_has_columns(e) && e->arithmetic->bytes == 4;
 }
 
 /* `rnea_part0`: the whole is one part. */

@@ -263,12 +263,9 @@ int emit_is_streamed(const struct emission *e)
 	return e->target->kernel && has_matrix && e->options->layout == RNEAGEN_SOA && !emit_is_staged(e);
 }
 
-/* May what is stored stand in shared memory? */
-static int stores_to_tiles(const struct emission *e)
+int emit_stores_to_tiles(const struct emission *e)
 {
-	const struct pass *p = emit_alone_pass(e, 0);
-
-	return p->tiles && !emit_has_columns(e);
+	return emit_has_tiles(e) && !emit_has_columns(e);
 }
 
 const char *emit_store(const struct emission *e)
@@ -279,7 +276,7 @@ const char *emit_store(const struct emission *e)
 
 	text_init(&t, e->arena);
 	if (emit_is_streamed(e))
-		template_expand(&t, stores_to_tiles(e) ? e->target->kernel->store_apart : e->target->kernel->store, slots, sizeof slots / sizeof *slots);
+		template_expand(&t, emit_stores_to_tiles(e) ? e->target->kernel->store_apart : e->target->kernel->store, slots, sizeof slots / sizeof *slots);
 	if (e->target->kernel && emit_windows(e)->slots)
 		emit_put_windows(e, &t);
 	return text_string(&t);

@@ -71,7 +71,7 @@ struct tile {
 
 struct tiles {
 	struct tile list[TILES_LIMIT];
-	int count, is_full;
+	int count;
 };
 
 static int find_tile(const struct tiles *t, const struct tile_move *m)
@@ -87,13 +87,12 @@ static void add_moves(struct tiles *t, const struct tile_move *list, int count)
 	for (int i = 0; i < count; i++) {
 		int at = find_tile(t, &list[i]);
 
-		t->is_full |= at == TILES_LIMIT;
-		if (at == t->count && at < TILES_LIMIT)
+		if (at == t->count)
 			t->list[t->count++] = (struct tile){list[i].argument, list[i].rows};
 	}
 }
 
-/* Of all kernels. None where there are more than a launch should pass on. */
+/* Of all kernels. */
 static struct tiles find_tiles(const struct emission *e)
 {
 	struct tile_move list[MOVES_LIMIT];
@@ -105,7 +104,6 @@ static struct tiles find_tiles(const struct emission *e)
 		for (int out = 0; out < 2 && p->tiles; out++)
 			add_moves(&t, list, find_moves(p, out, list));
 	}
-	t.count = t.is_full ? 0 : t.count;
 	return t;
 }
 
@@ -220,7 +218,9 @@ const char *emit_tiles_launch(const struct emission *e)
 		text_printf(&list, "%s{%d, %d, %d}", i ? ", " : "", t.list[i].argument,
 			emit_main(e)->dag.arguments[t.list[i].argument].rows, t.list[i].rows);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type},
-		{"TYPE", e->memory->bytes == 4 ? "FLOAT32" : "FLOAT64"}, {"LIST", text_string(&list)}};
+		{"TYPE", e->memory->bytes == 4 ? "FLOAT32" : "FLOAT64"}, {"LIST", text_string(&list)},
+		{"UNTILED", emit_serves_untiled(e) ? "1" : "0"},
+		{"WITHOUT", emit_serves_untiled(e) ? "kernels of parts pay too" : "it is faster"}};
 
 	if (emit_alone_least(e) && emit_has_tiles(e))
 		template_expand(&text, template_tiles_launch_in, slots, sizeof slots / sizeof *slots);

@@ -161,6 +161,47 @@ static int choose_parts(const struct chosen *x, struct arena *a)
 	return 1;
 }
 
+/* ---- tensor maps: one for so many rows of an argument ---- */
+
+struct maps {
+	int argument[TILES_LIMIT], rows[TILES_LIMIT], count; /* count: TILES_LIMIT + 1 where there is no room for all */
+};
+
+static void add_map(struct maps *m, int argument, int rows)
+{
+	for (int i = 0; i < m->count && i < TILES_LIMIT; i++)
+		if (m->argument[i] == argument && m->rows[i] == rows)
+			return;
+	if (m->count < TILES_LIMIT) {
+		m->argument[m->count] = argument;
+		m->rows[m->count] = rows;
+	}
+	m->count += m->count <= TILES_LIMIT;
+}
+
+static void add_maps(struct maps *m, const struct pass *p)
+{
+	for (int i = 0; p->tiles && i < p->dag.argument_count; i++)
+		for (int k = 0; k < STRETCHES; k++)
+			if (p->tiles->own[i][k].rows)
+				add_map(m, i, p->tiles->own[i][k].rows);
+}
+
+/* Not where a launch would pass on too many. */
+static void bound_maps(const struct chosen *x)
+{
+	struct maps m = {.count = 0};
+
+	add_maps(&m, x->whole);
+	for (int i = 0; i < x->count; i++)
+		add_maps(&m, &x->parts[i].pass);
+	if (m.count <= TILES_LIMIT)
+		return;
+	x->whole->tiles = NULL;
+	for (int i = 0; i < x->count; i++)
+		x->parts[i].pass.tiles = NULL;
+}
+
 static int choose(const struct chosen *x, struct arena *a)
 {
 	if (!may_have(x) || !is_long(x))
@@ -175,7 +216,10 @@ enum rneagen_code tiles_choose(struct pass *whole, struct part *parts, int count
 {
 	const struct chosen x = {whole, parts, count, of};
 
-	return choose(&x, a) ? RNEAGEN_OK : error_memory(e);
+	if (!choose(&x, a))
+		return error_memory(e);
+	bound_maps(&x);
+	return RNEAGEN_OK;
 }
 
 int tiles_words(const struct pass *p, const struct rneagen_options *o)

@@ -8,6 +8,9 @@
 /* Tensor maps of a launch at most, of 128 bytes each: a kernel may have 4096 bytes of parameters. */
 enum { TILES_LIMIT = 28 };
 
+/* Compute capability of the first devices with such an engine, ten times. */
+enum { TILES_ARCH = 90 };
+
 /* Set `tiles` of the passes that serve: of the first function, or of its parts, `count` of them. Not for a relay. Errors:
    MEMORY. */
 enum rneagen_code tiles_choose(struct pass *whole, struct part *parts, int count, const struct parts_of *x, struct arena *a,
