@@ -230,7 +230,7 @@ static struct emission new_emission(struct generation *g, const char *told)
 
 	return (struct emission){.tree = &a->tree, .request = &a->request, .scene = &a->scene, .adjust = &a->adjust,
 		.options = &a->options, .passes = g->passes, .pass_count = function_count(g),
-		.parts = g->parts, .part_count = g->part_count, .relay = g->relay, .block = "RNEA_BLOCK",
+		.parts = g->parts, .part_count = g->part_count, .relay = g->relay,
 		.warnings = g->result->warnings, .warning_count = g->result->warning_count,
 		.told = told, .hash = g->hash,
 		.written = arena_alloc(a->arena, EMIT_WRITTEN, sizeof(struct written_number)),

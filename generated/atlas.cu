@@ -3814,8 +3814,8 @@ RNEA_INFO const char atlas_info[] =
 #if !defined RNEA_ONLY_LIMBS
 #if !defined RNEA_NO_PART_KERNELS
 /* Kernels of large batches, of this many samples and more, one for each part, in blocks of so many threads: no two
-   parts then share a
-   multiprocessor. */
+   parts then
+   share a multiprocessor. */
 #define RNEA_PART_KERNELS 524288
 #define RNEA_PART_BLOCK 64
 /* Tiles: some rows of a block's samples, which a copy engine moves by a tensor map, from compute capability 9.0 on.

@@ -216,8 +216,8 @@ struct rnea_function {
 	struct rnea_limbs start_limbs; /* of the kernel NAME_FUNCTION_start_limbs, which takes the place of the first */
 	/* Several kernels with the same parameters, one after the other, where the batch is larger than limbs.most: before the function's
 	   own rnea_launch and rnea_run launch NAME_FUNCTION_hands_kernel, then NAME_FUNCTION_hands1_kernel and so on, in the same blocks
-	   with the same shared memory, and so many along y of each, unless part kernels run, the first of which are of hands; 0: there is no such kernel, and none
-	   after it */
+	   with the same shared memory, and so many along y of each, unless part kernels run, the first of which are of hands; 0: there is
+	   no such kernel, and none after it */
 	unsigned hands[RNEA_HANDS_LIMIT];
 	/* From so many samples on rnea_launch launches, instead of the kernel with all parts along y, NAME_FUNCTION_part0_kernel,
 	   NAME_FUNCTION_part1_kernel and so on, part_count of them, in blocks of part_block threads, one along y, for as many samples; 0:

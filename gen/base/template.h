@@ -20,7 +20,8 @@ extern const char template_kernel_cu_in[], template_kernel_soa_in[], template_ke
 extern const char template_kernel_windowed_in[], template_windows_in[], template_stage_copy_in[], template_stage_bulk_in[], template_stage_come_in[],
 	template_bounded_finite_in[];
 extern const char template_kernel_soa_staged_in[], template_stage_in[], template_slices_in[],
-	template_stage_launch_in[], template_store_in[], template_store_apart_in[], template_prefetch_in[], template_parts_small_in[];
+	template_stage_launch_in[], template_store_in[], template_store_tiles_in[], template_prefetch_in[],
+	template_parts_small_in[];
 extern const char template_alone_in[], template_launch_alone_in[];
 extern const char template_zeros_in[], template_zeros_table_in[], template_zeros_loop_in[];
 extern const char template_function_c_in[], template_function_h_in[], template_header_h_in[], template_further_h_in[],
@@ -32,7 +33,8 @@ extern const char template_bounded_in[], template_bounded_sincos_in[], template_
 	template_bounded_quotient_in[], template_bounded_function_in[];
 extern const char template_swept_in[], template_swept_function_in[];
 extern const char template_parts_in[], template_kernel_apart_in[];
-extern const char template_kernel_tiles_in[], template_tiles_in[], template_tiles_out_in[], template_tiles_leave_in[], template_tiles_launch_in[];
+extern const char template_kernel_tiles_in[], template_tiles_in[], template_tiles_out_in[], template_tiles_leave_in[],
+	template_tiles_launch_in[];
 extern const char template_parts_apart_in[], template_launch_hands_in[], template_stage_rows_aos_in[], template_stage_join_in[];
 extern const char template_segment_in[], template_segment_lanes_in[], template_segment_one_in[], template_part_segments_in[];
 extern const char template_segment_columns_in[], template_segment_columns_row_in[], template_segment_columns_put_in[];

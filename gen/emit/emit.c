@@ -285,7 +285,7 @@ static void put_lanes(const struct emission *e, struct text *out)
 
 static void put_bodies(const struct emission *e, struct text *out)
 {
-	int is_whole = !e->part_count && emit_alone_least(e) > 0; /* a kernel of large batches is of the whole */
+	int is_whole = emit_alone_is_whole(e);
 
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	text_put(out, emit_has_segments(e) ? template_independent_in : "");

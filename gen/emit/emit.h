@@ -24,7 +24,6 @@ struct emission {
 	const char *const *warnings;
 	size_t warning_count;
 	const char *told; /* lines of the comment at the head: what the scene made of the robot; NULL: none */
-	const char *block; /* the macro of how many samples a slice has */
 	const char *hash; /* SHA-256 of the URDF, in hex */
 	struct arena *arena;
 	struct rneagen_error *error;
@@ -315,9 +314,9 @@ const char *emit_along(const struct emission *e, int parts);
 void emit_dispatcher(const struct emission *e, struct text *out);
 void emit_put_sample_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out);
 
-/* Parameters of the body of a part that come after the stride, each after a comma, and what a call gives for them: the stride of inputs, how
-   many rows are left out of its slices, how much further a vjp goes on from one place to the next, and where hands have left something, with the
-   stride there. The second of these alone. Launches the kernels of the hands. */
+/* Parameters of the body of a part that come after the stride, each after a comma, and what a call gives for them: the stride of inputs,
+   how many rows are left out of its slices, how much further a vjp goes on from one place to the next, and where hands have left
+   something, with the stride there. The second of these alone. Launches the kernels of the hands. */
 const char *emit_more_params(const struct emission *e, const struct pass *p);
 const char *emit_more(const struct emission *e, const struct pass *p, int is_staged, const char *inner, const char *handed);
 const char *emit_gap(const struct emission *e, const struct pass *p, int is_staged);
@@ -337,13 +336,12 @@ int emit_relay_bytes(const struct emission *e);
 const char *emit_unless_limbs(const struct emission *e, const char *what);
 
 /* Kernels of large batches, one for each part or for the whole (emit_alone.c): from how many samples on a launch takes them (0: there are
-   none), whether they pay without tiles, what they are of, their names and threads, themselves, with a guard of all that follows, and their
-   launch. */
+   none), whether they pay without tiles, whether the one there is has the whole, their names and threads, themselves, with a guard of all that
+   follows, and their launch. */
 #define EMIT_UNLESS_ALONE "#if !defined RNEA_ONLY_PART_KERNELS\n"
 int emit_alone_least(const struct emission *e);
 int emit_serves_untiled(const struct emission *e);
-int emit_alone_count(const struct emission *e);
-const struct pass *emit_alone_pass(const struct emission *e, int part);
+int emit_alone_is_whole(const struct emission *e);
 const char *emit_alone_name(const struct emission *e, int part);
 int emit_alone_block(const struct emission *e);
 void emit_alone_kernel(const struct emission *e, int part, struct text *out);
@@ -380,8 +378,8 @@ const char *emit_stage_launch(const struct emission *e);
 const char *emit_given(const struct emission *e, const char *kernel);
 int emit_stage_bytes(const struct emission *e);
 
-/* Do the statements store by RNEA_STORE? May it be to shared memory? What that means, or RNEA_HOLD and RNEA_FLUSH where outputs leave through windows; else
-   "". The calls of a pass's flush. */
+/* Do the statements store by RNEA_STORE? May it be to shared memory? What that means, or RNEA_HOLD and RNEA_FLUSH where outputs leave
+   through windows; else "". The calls of a pass's flush. */
 int emit_is_streamed(const struct emission *e);
 int emit_stores_to_tiles(const struct emission *e);
 const char *emit_store(const struct emission *e);
@@ -401,18 +399,18 @@ const char *emit_zero_loops(const struct emission *e, const char *first, const c
 int emit_zero_runs(const struct emission *e, const struct dag *d, const struct output *outputs, size_t count, int argument,
 	struct text *out);
 
-/* Where the slices of a staged kernel, or of its part (NULL: all of it), begin, what the body is called with, and how rows come and
-   go, and what comes between; their declaration. Does a vjp that stands in three slices leave as one? Does anything come or go as some
-   rows of each sample? */
+/* Where the slices of a staged kernel, or of its part's rows (NULL: all), `block` samples wide, begin, what the body is called with, and
+   how rows come and go, and what comes between; their declaration. Does a vjp that stands in three slices leave as one? Does anything come
+   or go as some rows of each sample? */
 struct slices {
 	const char *slices, *here, *pointers, *move_in, *move_out, *join;
 };
 int emit_is_joined(const struct emission *e);
 int emit_moves_some(const struct emission *e);
-struct slices emit_slices(const struct emission *e, const struct part *part);
+struct slices emit_slices(const struct emission *e, const struct stretches *s, const char *block);
 
 /* Rows on from where the place of an argument begins, where its k-th stretch does, or a vjp's first row. */
-int emit_slot(const struct part *part, const struct dag *d, int argument, int k);
+int emit_slot(const struct stretches *s, const struct dag *d, int argument, int k);
 int emit_divided_slot(const struct stretches *s);
 
 const char *emit_slices_declaration(const struct emission *e);

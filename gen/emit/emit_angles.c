@@ -248,7 +248,7 @@ const char *emit_call(const struct emission *e, const struct pass *p, const stru
 {
 	struct text asked;
 	int is_own = c->part || (emit_asks_by_parts(e) && emit_is_of_main(e, p));
-	int has_gap = is_own && tiles_rows(p) && tiles_rows(p)->own[0][1].rows > 0;
+	int has_gap = is_own && tiles_divide_q(p);
 
 	if (!emit_has_known(e) || !emit_has_angles(e, p))
 		return body_call(e, p, c->indent, c->arguments, stride_text(e, p, c), emit_handed_on(e, emit_unknown_names(e)));

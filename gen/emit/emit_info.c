@@ -69,7 +69,7 @@ static void put_function(const struct emission *e, const struct pass *p, struct 
 	if (is_main && e->part_count - emit_hands(e) > 1)
 		text_printf(out, "parts %d\n", e->part_count - emit_hands(e));
 	if (is_main && emit_alone_least(e))
-		text_printf(out, "part_kernels %d %d %d %d\n", emit_alone_least(e), emit_alone_count(e), emit_alone_block(e),
+		text_printf(out, "part_kernels %d %d %d %d\n", emit_alone_least(e), emit_part_places(e), emit_alone_block(e),
 			emit_serves_untiled(e) ? 0 : TILES_ARCH);
 	if (is_main && emit_alone_least(e))
 		emit_info_tiles(e, out);

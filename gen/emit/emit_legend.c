@@ -216,7 +216,8 @@ static void put_functions(const struct emission *e, struct text *out)
 	if (emit_joints_again(e))
 		put_entry("RNEA_READ_ANEW", "an input, read from memory once more", out);
 	if (emit_is_streamed(e))
-		put_entry("RNEA_STORE", emit_stores_to_tiles(e) ? "a store to an output, or to a tile of it" : "a store that nobody reads again here", out);
+		put_entry("RNEA_STORE",
+			emit_stores_to_tiles(e) ? "a store to an output, or to a tile of it" : "a store that nobody reads again here", out);
 	if (e->target->kernel && emit_windows(e)->slots)
 		put_entry("RNEA_HOLD RNEA_FLUSH", "an element into its slot of a window; rows that leave, sample by sample", out);
 	put_entry("rneagen_...", "functions and types that this text brings along", out);

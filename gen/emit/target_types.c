@@ -11,7 +11,8 @@ static const struct kernel_frames KERNEL_CUDA = {.direct = template_kernel_soa_i
 	.stage_launch = template_stage_launch_in,
 	.stage_copy = template_stage_copy_in, .stage_bulk = template_stage_bulk_in, .stage_come = template_stage_come_in,
 	.windowed = template_kernel_windowed_in, .windows = template_windows_in,
-	.store = template_store_in, .store_apart = template_store_apart_in, .prefetch = template_prefetch_in, .zeros = template_zeros_in, .compiler = "__CUDACC__"};
+	.store = template_store_in, .store_tiles = template_store_tiles_in, .prefetch = template_prefetch_in,
+	.zeros = template_zeros_in, .compiler = "__CUDACC__"};
 
 static const char *const SUFFIXES_CUDA[] = {".cu", NULL}, *const SUFFIXES_C[] = {".c", NULL},
 			 *const SUFFIXES_HEADER[] = {".h", ".hh", ".hpp", ".hxx", ".cuh", NULL};

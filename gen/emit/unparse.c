@@ -1,8 +1,7 @@
 #include "emit/unparse.h"
-#include "plan/tiles/tiles.h"
 #include "base/fold.h"
 #include "plan/readings.h"
-#include "plan/stretch.h"
+#include "plan/tiles/tiles.h"
 #include <math.h>
 #include <stdio.h>
 

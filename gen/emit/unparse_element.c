@@ -24,17 +24,18 @@ static void put_divided(const struct stretches *s, const char *array, int row, s
 
 static void put_row(const struct unparser *u, const char *array, int argument, int row, struct text *out)
 {
-	const struct stretches *s = u->has_inner ? u->pass->tiles : u->pass->stretches;
 	int is_inner = u->has_inner && !u->plan->dag->arguments[argument].is_output;
+	const struct stretches *s = is_inner ? u->pass->tiles : u->has_inner ? NULL : u->pass->stretches;
+	const char *step = is_inner ? "inner" : "stride";
 
 	if (u->plan->dag->arguments[argument].per_batch || u->numbers->is_beside)
 		text_printf(out, "%s[%d]", array, row);
 	else if (s && s->period && argument == s->divided && row >= s->period)
 		put_divided(s, array, row, out);
-	else if (s && s->gap && row >= s->second && (is_inner || !u->has_inner))
-		text_printf(out, "%s[(%d - gap)*%s]", array, row, is_inner ? "inner" : "stride");
+	else if (s && s->gap && row >= s->second)
+		text_printf(out, "%s[(%d - gap)*%s]", array, row, step);
 	else
-		unparse_index(array, (unsigned)row, is_inner ? "inner" : "stride", out);
+		unparse_index(array, (unsigned)row, step, out);
 }
 
 void unparse_element(const struct unparser *u, int argument, int row, struct text *out)

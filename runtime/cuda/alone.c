@@ -10,7 +10,7 @@ static int find(struct alone *a, const struct beside *b, const struct device *d,
 	const struct source *s = b->request.source;
 	struct rnea_error ignored = {0};
 
-	for (unsigned i = 0; i < a->count; i++) {
+	for (unsigned i = 0; i < f->part_count; i++) {
 		char which[16];
 
 		snprintf(which, sizeof which, "part%u", i);
@@ -25,9 +25,9 @@ void alone_load(struct alone *a, struct beside *b, const struct device *d, struc
 {
 	const struct rnea_function *f = info->functions;
 
-	*a = (struct alone){.count = f->part_count, .least = f->part_kernels, .function = f};
-	if (a->least && (a->module = beside_load(b, d)) != NULL && (a->kernels = calloc(a->count, sizeof *a->kernels)) != NULL &&
-		find(a, b, d, f))
+	*a = (struct alone){.function = f};
+	if (f->part_kernels && (a->module = beside_load(b, d)) != NULL &&
+		(a->kernels = calloc(f->part_count, sizeof *a->kernels)) != NULL && find(a, b, d, f))
 		return;
 	device_unload(d, a->module);
 	alone_free(a);
@@ -36,14 +36,16 @@ void alone_load(struct alone *a, struct beside *b, const struct device *d, struc
 
 int alone_serve(const struct alone *a, const struct device *d, void *const *arrays, size_t count, struct tile_map maps[RNEA_TILE_LIMIT])
 {
-	return a->least && count >= a->least && tiles_make(maps, d, a->function, arrays, count);
+	return a->function && count >= a->function->part_kernels && tiles_make(maps, d, a->function, arrays, count);
 }
 
 enum rnea_code alone_launch(const struct alone *a, const struct device *d, void **parameters, size_t count, void *stream,
 	struct rnea_error *e)
 {
-	for (unsigned i = 0; i < a->count && !e->code; i++)
-		device_launch(d, &a->kernels[i], device_blocks(count, a->function->part_block), 1, a->function->part_block, parameters, stream, e);
+	const struct rnea_function *f = a->function;
+
+	for (unsigned i = 0; i < f->part_count && !e->code; i++)
+		device_launch(d, &a->kernels[i], device_blocks(count, f->part_block), 1, f->part_block, parameters, stream, e);
 	return e->code;
 }
 

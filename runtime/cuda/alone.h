@@ -8,11 +8,9 @@
 #include "cuda/tiles.h"
 
 struct alone {
-	void *module;		       /* NULL: there are none */
-	struct device_kernel *kernels; /* count of them */
-	unsigned count;
-	const struct rnea_function *function;
-	size_t least; /* samples of a batch from which on they run; 0: never */
+	const struct rnea_function *function; /* which tells how many there are, and from how many samples on; NULL: there are none */
+	void *module;
+	struct device_kernel *kernels;
 };
 
 /* Wait for the program, load it, and find what *info says of it; where that fails, *info says no more. The context must be

@@ -21,8 +21,8 @@ struct relay {
 enum rnea_code relay_kernel(const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
 	const char *which, size_t bytes, struct device_kernel *k, struct rnea_error *e);
 
-/* Find them, where the function has a relay, or hands, which stage in blocks of `block`. Errors: TEXT where one is not there, DRIVER, ARGUMENT where the device has less shared
-   memory than the third takes. */
+/* Find them, where the function has a relay, or hands, which stage in blocks of `block`. Errors: TEXT where one is not there, DRIVER,
+   ARGUMENT where the device has less shared memory than the third takes. */
 enum rnea_code relay_find(struct relay *r, const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
 	unsigned block, struct rnea_error *e);
 

@@ -12,7 +12,8 @@
 typedef int cudaError_t;
 typedef struct fake_stream *cudaStream_t;
 enum { cudaSuccess, cudaErrorInvalidValue };
-enum { cudaDevAttrMaxSharedMemoryPerBlockOptin = 97, cudaDevAttrComputeCapabilityMajor = 75, FAKE_MAJOR = 8, cudaFuncAttributeMaxDynamicSharedMemorySize = 8, FAKE_DEVICE = 3 };
+enum { cudaDevAttrMaxSharedMemoryPerBlockOptin = 97, cudaDevAttrComputeCapabilityMajor = 75,
+	cudaFuncAttributeMaxDynamicSharedMemorySize = 8, FAKE_DEVICE = 3, FAKE_MAJOR = 8 };
 
 struct dim3 {
 	unsigned x, y;
@@ -41,9 +42,10 @@ static cudaError_t fake_refuse()
 
 [[maybe_unused]] static cudaError_t cudaDeviceGetAttribute(int *value, int attribute, int device)
 {
-	*value = attribute == cudaDevAttrComputeCapabilityMajor ? FAKE_MAJOR : (int)fake_limit;
-	return (attribute == cudaDevAttrMaxSharedMemoryPerBlockOptin || attribute == cudaDevAttrComputeCapabilityMajor) && device == FAKE_DEVICE ?
-		cudaSuccess : fake_refuse();
+	const bool is_major = attribute == cudaDevAttrComputeCapabilityMajor;
+
+	*value = is_major ? FAKE_MAJOR : (int)fake_limit;
+	return (is_major || attribute == cudaDevAttrMaxSharedMemoryPerBlockOptin) && device == FAKE_DEVICE ? cudaSuccess : fake_refuse();
 }
 
 [[maybe_unused]] static cudaError_t cudaFuncSetAttribute(const void *kernel, int attribute, int value)

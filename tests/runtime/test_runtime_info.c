@@ -106,7 +106,8 @@ END_TEST
 	COUNTS
 #define SECOND                                                                                                         \
 	"function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts " \
-	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nstart_parts 2\nhands 3\npart_kernels 16896 5 64 90\ntiles 0 7 1 2\n"               \
+	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nstart_parts 2\nhands 3\n"                               \
+	"part_kernels 16896 5 64 90\ntiles 0 7 1 2\n"                                                                         \
 	"operations 1 2 3 4 5 6\n"
 
 /* Since version 7 each kernel of hands has a number. */

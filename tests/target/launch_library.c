@@ -17,7 +17,8 @@ void *launch_library(const struct target *t, const char *stem, const char *befor
 	FILE *f = open_memstream(&text, &length);
 	void *handle;
 
-	fprintf(f, "%s\n#if !defined FAKE_PARTS\n#define RNEA_NO_PART_KERNELS\n#endif\n#include \"" TEST_DIR "/fake/fake_launch.h\"\n%s\n%s\n", before, t->text.source, after);
+	fprintf(f, "%s\n#if !defined FAKE_PARTS\n#define RNEA_NO_PART_KERNELS\n#endif\n", before);
+	fprintf(f, "#include \"" TEST_DIR "/fake/fake_launch.h\"\n%s\n%s\n", t->text.source, after);
 	fclose(f);
 	if ((at = strstr(text, "extern __shared__")) != NULL)
 		memcpy(at, "extern           ", strlen("extern __shared__")); /* memory of the launch, not of the kernel */

@@ -22,7 +22,7 @@ static const struct subject {
 	int is_double;
 } SUBJECTS[] = {
 	{"hyq", "want tau,dtau_dq,dtau_dqd,M\ndense\n", 1, 3, "16896", 0},
-	{"hyq", "want qdd,dqdd_dq,dqdd_dqd\n", 1, 6, "16896", 0},   /* a relay's second kernel, without tiles */
+	{"hyq", "want qdd,dqdd_dq,dqdd_dqd\n", 1, 6, "16896", 0},   /* of accelerations */
 	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, 4, "16896", 0}, /* it asks for angles first */
 	{"g1_29dof", "want tau,vjp\n", 0, 0, "253440", 1},	       /* outputs in the places of inputs */
 	{"chain_75", "", 0, 0, "524288", 1},			       /* hands, and rows with a gap */

@@ -1,10 +1,15 @@
 /* Kernels of large batches: one of its own for each part of the text, beside the one whose grid has all of them along y. */
 #include "base/template.h"
 #include "emit/emit.h"
+#include "plan/tiles/tiles.h"
 
-/* Of matrices: from one warp for each scheduler of an H100 on; of texts longer than so many operations. Of rows that move as tiles: from so
-   many samples on, and with a vjp or jvp. */
-enum { LEAST_SAMPLES = 132 * 128, LEAST_OPERATIONS = 11000, LEAST_TILED = 1 << 19, LEAST_PRODUCT = 132 * 1920 };
+/* Of matrices: from one warp for each scheduler of an H100 on. Of rows that move as tiles: from so many samples on, and with a vjp. */
+enum { LEAST_SAMPLES = 132 * 128, LEAST_TILED = 1 << 19, LEAST_PRODUCT = 132 * 1920 };
+
+static int are_long(const struct emission *e)
+{
+	return e->part_count > 1 && plan_flops(parts_operations(e->parts, e->part_count, &emit_main(e)->plan)) > TILES_COLUMNS;
+}
 
 /* Smaller batches leave multiprocessors idle that the one kernel gives other parts. Beyond, the blocks of one part do not share a
    multiprocessor with those of another, and each takes the registers that it needs. In f64 all parts take all registers there are: without
@@ -15,14 +20,17 @@ int emit_alone_least(const struct emission *e)
 		return 0;
 	if (!emit_has_columns(e))
 		return !emit_has_tiles(e) ? 0 : request_wants_derivative(e->request) ? LEAST_PRODUCT : LEAST_TILED;
-	if (e->part_count < 2 || !(emit_serves_untiled(e) || emit_has_tiles(e)))
-		return 0;
-	return plan_flops(parts_operations(e->parts, e->part_count, &emit_main(e)->plan)) > LEAST_OPERATIONS ? LEAST_SAMPLES : 0;
+	return emit_has_tiles(e) || (emit_serves_untiled(e) && are_long(e)) ? LEAST_SAMPLES : 0;
 }
 
 int emit_serves_untiled(const struct emission *e)
 {
 	return emit_has_columns(e) && e->arithmetic->bytes == 4;
+}
+
+int emit_alone_is_whole(const struct emission *e)
+{
+	return !e->part_count && emit_alone_least(e) > 0;
 }
 
 /* `rnea_part0`: the whole is one part. */
@@ -47,7 +55,7 @@ void emit_alone(const struct emission *e, struct text *out)
 	for (int i = 0; i < e->part_count && emit_is_apart(e); i++)
 		emit_part_small(e, &e->parts[i], out);
 	emit_parts_small(e, 1, &kernels);
-	for (int i = 0; i < emit_alone_count(e); i++)
+	for (int i = 0; i < emit_part_places(e); i++)
 		emit_alone_kernel(e, i, &kernels);
 	const struct slot slots[] = {{"LEAST", emit_int(e, emit_alone_least(e))}, {"BLOCK", emit_int(e, emit_alone_block(e))},
 		{"TILES", text_string(&tiles)}, {"KERNELS", text_string(&kernels)}, {"UNLESS_ALONE", EMIT_UNLESS_ALONE}};
@@ -74,12 +82,12 @@ const char *emit_launch_alone(const struct emission *e)
 	if (!emit_alone_least(e))
 		return text_string(&t);
 	text_init(&kernels, e->arena);
-	for (int i = 0; i < emit_alone_count(e); i++)
+	for (int i = 0; i < emit_part_places(e); i++)
 		text_printf(&kernels, "%s(const void *)%s_%s_kernel", i ? ", " : "", e->options->name, emit_alone_name(e, i));
 	const struct slot slots[] = {{"TILES", if_tiled(e, "\t%s_tiles tiles;\n\n")},
 		{"FIT", if_tiled(e, " && %s_make_tiles(&tiles, arguments, count)")},
 		{"ADDRESSES", emit_params(e, emit_main(e), PARAMS_ADDRESSES)}, {"MORE", emit_has_tiles(e) ? ", &tiles" : ""},
-		{"KERNELS", text_string(&kernels)}, {"COUNT", emit_int(e, emit_alone_count(e))}};
+		{"KERNELS", text_string(&kernels)}, {"COUNT", emit_int(e, emit_part_places(e))}};
 
 	template_expand(&t, template_launch_alone_in, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);

@@ -21,15 +21,21 @@ static const char *in_place_text(const struct emission *e, const struct part *pa
 }
 
 /* Derivatives may take more values than there are registers. ptxas refuses this where the launch gives shared memory. */
-const char *emit_spill(const struct emission *e)
+static const char *spill_text(const struct emission *e, const char *unless_given)
 {
-	const struct slot slots[] = {{"UNLESS_GIVEN", emit_is_staged(e) ? " && !RNEA_GIVEN_BYTES" : ""}};
+	const struct slot slots[] = {{"UNLESS_GIVEN", unless_given}};
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (emit_is_full(e) && !emit_main(e)->segments.count)
-		template_expand(&t, e->target->kernel->spill, slots, sizeof slots / sizeof *slots);
+	template_expand(&t, e->target->kernel->spill, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
+}
+
+const char *emit_spill(const struct emission *e)
+{
+	if (!emit_is_full(e) || emit_main(e)->segments.count)
+		return "";
+	return spill_text(e, emit_is_staged(e) ? " && !RNEA_GIVEN_BYTES" : "");
 }
 
 /* What a kernel's block does to its slice: all of it, or a part that shares nothing with others. */
@@ -52,16 +58,23 @@ static const char *handed_text(const struct emission *e)
 	return text_string(&t);
 }
 
-static const char *kernel_call(const struct emission *e, const struct work *w, const struct slices *s)
+/* On the arrays themselves. */
+static const char *direct_call(const struct emission *e, const struct work *w)
 {
-	int is_soa = e->options->layout == RNEAGEN_SOA;
-	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = s ? s->here : "", .q = "q_here",
-		.stride = is_soa ? "stride" : "1", .part = w->part, .is_staged = 1, .handed = handed_text(e)};
 	const struct call there = {.indent = "\t", .arguments = emit_params(e, w->pass, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
 		.stride = emit_stride(e), .is_optimistic = emit_is_of_main(e, w->pass) && emit_is_optimistic(e), .part = w->part,
 		.handed = handed_text(e)};
 
-	return emit_call(e, w->pass, w->is_staged ? &here : &there);
+	return emit_call(e, w->pass, &there);
+}
+
+static const char *kernel_call(const struct emission *e, const struct work *w, const struct slices *s)
+{
+	int is_soa = e->options->layout == RNEAGEN_SOA;
+	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = s->here, .q = "q_here",
+		.stride = is_soa ? "stride" : "1", .part = w->part, .is_staged = 1, .handed = handed_text(e)};
+
+	return w->is_staged ? emit_call(e, w->pass, &here) : direct_call(e, w);
 }
 
 /* One call for each array that has rows of each sample. */
@@ -112,7 +125,7 @@ static const char *zeros_text(const struct emission *e, const struct pass *p)
 
 static void put_work(const struct emission *e, const struct work *w, struct text *out)
 {
-	const struct slices s = emit_slices(e, w->part);
+	const struct slices s = emit_slices(e, w->part ? w->part->pass.stretches : NULL, "RNEA_BLOCK");
 	const struct slot slots[] = {
 		{"HEAD", head_text(e, w)}, {"NAME", e->options->name}, {"PASS", w->pass->algorithm->name}, {"T", e->memory->type},
 		{"SPILL", emit_spill(e)}, {"ZEROS", zeros_text(e, w->pass)},
@@ -134,28 +147,19 @@ void emit_kernel(const struct emission *e, const struct pass *p, struct text *ou
 	put_work(e, &w, out);
 }
 
-/* Without the launch's shared memory. */
-static const char *spill_alone(const struct emission *e)
+static void put_tiled(const struct emission *e, const struct work *w, struct text *out)
 {
-	const struct slot slots[] = {{"UNLESS_GIVEN", ""}};
-	struct text t;
+	const struct tiled_kernel k = {.pass = w->pass, .part = w->part, .name = w->alone, .handed = handed_text(e), .spill = spill_text(e, ""),
+		.zeros = zeros_text(e, w->pass), .direct = direct_call(e, w)};
 
-	text_init(&t, e->arena);
-	template_expand(&t, e->target->kernel->spill, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	emit_tiled_kernel(e, &k, out);
 }
 
 void emit_alone_kernel(const struct emission *e, int part, struct text *out)
 {
-	const struct pass *p = emit_alone_pass(e, part);
-	const struct work w = {p, emit_is_apart(e) ? &e->parts[part] : NULL, 0, emit_alone_name(e, part)};
-	const struct tiled_kernel k = {.pass = p, .part = w.part, .name = w.alone, .handed = handed_text(e), .spill = spill_alone(e),
-		.zeros = zeros_text(e, p), .direct = kernel_call(e, &w, NULL)};
+	const struct work w = {emit_part(e, part), emit_is_apart(e) ? &e->parts[part] : NULL, 0, emit_alone_name(e, part)};
 
-	if (p->tiles)
-		emit_tiled_kernel(e, &k, out);
-	else
-		put_work(e, &w, out);
+	(w.pass->tiles ? put_tiled : put_work)(e, &w, out);
 }
 
 /* A kernel of parts that share nothing, named after a pass. */
@@ -193,8 +197,8 @@ static const char SHARE_NOTHING[] = "Parts that share nothing";
 
 static void put_both(const struct emission *e, struct text *out)
 {
-	struct apart x = {.parts = e->parts, .is_staged = emit_is_staged(e), .is_alone = emit_alone_least(e) > 0, .pass = emit_main(e)->algorithm->name,
-		.bounds = ", RNEA_MIN_BLOCKS",
+	struct apart x = {.parts = e->parts, .is_staged = emit_is_staged(e), .is_alone = emit_alone_least(e) > 0,
+		.pass = emit_main(e)->algorithm->name, .bounds = ", RNEA_MIN_BLOCKS",
 		.what = "Hands, each a part; a launch runs this kernel before the one that reads what they hand on"};
 
 	for (int level = 0; level < emit_hand_levels(e); level++) {
@@ -276,7 +280,8 @@ const char *emit_store(const struct emission *e)
 
 	text_init(&t, e->arena);
 	if (emit_is_streamed(e))
-		template_expand(&t, emit_stores_to_tiles(e) ? e->target->kernel->store_apart : e->target->kernel->store, slots, sizeof slots / sizeof *slots);
+		template_expand(&t, emit_stores_to_tiles(e) ? e->target->kernel->store_tiles : e->target->kernel->store, slots,
+			sizeof slots / sizeof *slots);
 	if (e->target->kernel && emit_windows(e)->slots)
 		emit_put_windows(e, &t);
 	return text_string(&t);

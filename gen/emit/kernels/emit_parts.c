@@ -56,6 +56,7 @@ const char *emit_gap(const struct emission *e, const struct pass *p, int is_stag
 
 const char *emit_more(const struct emission *e, const struct pass *p, int is_staged, const char *inner, const char *handed)
 {
+	const char *skip = e->options->layout == RNEAGEN_SOA ? ", staged ? (size_t)(%d - %d) : 0" : ", staged ? RNEA_BLOCK*%d - %d : 0";
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -64,8 +65,7 @@ const char *emit_more(const struct emission *e, const struct pass *p, int is_sta
 	if (tiles_rows(p) && tiles_rows(p)->gap)
 		text_printf(&t, ", %s", emit_gap(e, p, is_staged));
 	if (p->stretches && p->stretches->period)
-		text_printf(&t, !is_staged ? ", 0" : e->options->layout == RNEAGEN_SOA ? ", staged ? (size_t)(%d - %d) : 0" : ", staged ? RNEA_BLOCK*%d - %d : 0",
-			emit_pitch(e, stretches_rows(p->stretches, 0)), p->stretches->period);
+		text_printf(&t, is_staged ? skip : ", 0", emit_pitch(e, stretches_rows(p->stretches, 0)), p->stretches->period);
 	if (is_handed(p))
 		text_printf(&t, ", %s", handed);
 	return text_string(&t);

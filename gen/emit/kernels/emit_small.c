@@ -78,7 +78,7 @@ static void put_small(const struct emission *e, const char *what, const char *na
 
 const char *emit_is_small(const struct emission *e)
 {
-	int host_only = e->target->kernel && !kernels_ask(e), is_for_alone = !e->part_count && emit_alone_least(e) > 0;
+	int host_only = e->target->kernel && !kernels_ask(e), is_for_alone = emit_alone_is_whole(e);
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -104,11 +104,6 @@ void emit_part_small(const struct emission *e, const struct part *part, struct t
 		put_small(e, "a part", text_string(&name), tiles_rows(&part->pass)->own[0], out);
 }
 
-static int has_column_gap(const struct pass *p)
-{
-	return tiles_are_inputs(p) && p->tiles->own[0][1].rows > 0;
-}
-
 /* Of each run of the rows that a part reads. */
 static void put_column_small(const struct emission *e, const struct pass *p, struct text *out)
 {
@@ -126,9 +121,9 @@ static void put_column_small(const struct emission *e, const struct pass *p, str
 		for (end = row; is_read[end]; end++)
 			;
 		if (end > row)
-			put_small_loop(e, (struct stretch){row, end - row}, has_column_gap(p) && row >= p->tiles->second ? "(i - gap)" : "i", &loops);
+			put_small_loop(e, (struct stretch){row, end - row}, tiles_divide_q(p) && row >= p->tiles->second ? "(i - gap)" : "i", &loops);
 	}
-	put_small_of(e, "a part", text_string(&name), text_string(&loops), has_column_gap(p) ? ", const size_t gap" : "", out);
+	put_small_of(e, "a part", text_string(&name), text_string(&loops), tiles_divide_q(p) ? ", const size_t gap" : "", out);
 }
 
 static int has_parts_small(const struct emission *e)
@@ -151,7 +146,7 @@ void emit_part_asks(const struct emission *e, struct text *out)
 	text_init(&cases, e->arena);
 	for (int i = 0; i < e->part_count; i++)
 		text_printf(&cases, "\tcase %d:\n\t\treturn %s_%s_is_small(q, stride%s);\n", i, e->options->name,
-			e->parts[i].pass.algorithm->name, has_column_gap(&e->parts[i].pass) ? ", 0" : "");
+			e->parts[i].pass.algorithm->name, tiles_divide_q(&e->parts[i].pass) ? ", 0" : "");
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type},
 		{"CASES", text_string(&cases)}};
 

@@ -12,15 +12,6 @@ struct tile_move {
 
 enum { MOVES_LIMIT = DAG_ARGUMENTS * STRETCHES + PERIODS };
 
-/* A part with the rows that its tiles have. */
-static struct part tiled(const struct pass *p)
-{
-	struct part part = {.pass = *p};
-
-	part.pass.stretches = p->tiles;
-	return part;
-}
-
 /* A vjp's rows for q, qd and qdd, from the places of these. */
 static int add_divided(const struct stretches *s, struct tile_move *list)
 {
@@ -34,7 +25,6 @@ static int add_divided(const struct stretches *s, struct tile_move *list)
 /* Returns how many there are, of inputs or of outputs. */
 static int find_moves(const struct pass *p, int is_output, struct tile_move list[MOVES_LIMIT])
 {
-	const struct part part = tiled(p);
 	const struct stretches *s = p->tiles;
 	int count = 0;
 
@@ -48,62 +38,18 @@ static int find_moves(const struct pass *p, int is_output, struct tile_move list
 		for (int k = 0; k < STRETCHES; k++)
 			if (s->own[i][k].rows)
 				list[count++] = (struct tile_move){i, s->own[i][k].first, s->own[i][k].rows, s->place_of[i],
-					emit_slot(&part, &p->dag, i, k)};
+					emit_slot(s, &p->dag, i, k)};
 	}
 	return count;
-}
-
-const struct pass *emit_alone_pass(const struct emission *e, int i)
-{
-	return emit_part(e, i);
-}
-
-int emit_alone_count(const struct emission *e)
-{
-	return emit_part_places(e);
-}
-
-/* ---- the tensor maps: one for so many rows of an argument ---- */
-
-struct tile {
-	int argument, rows;
-};
-
-struct tiles {
-	struct tile list[TILES_LIMIT];
-	int count;
-};
-
-static int find_tile(const struct tiles *t, const struct tile_move *m)
-{
-	for (int i = 0; i < t->count; i++)
-		if (t->list[i].argument == m->argument && t->list[i].rows == m->rows)
-			return i;
-	return t->count;
-}
-
-static void add_moves(struct tiles *t, const struct tile_move *list, int count)
-{
-	for (int i = 0; i < count; i++) {
-		int at = find_tile(t, &list[i]);
-
-		if (at == t->count)
-			t->list[t->count++] = (struct tile){list[i].argument, list[i].rows};
-	}
 }
 
 /* Of all kernels. */
 static struct tiles find_tiles(const struct emission *e)
 {
-	struct tile_move list[MOVES_LIMIT];
 	struct tiles t = {.count = 0};
 
-	for (int i = 0; i < emit_alone_count(e) && !emit_is_operation(e) && !emit_main(e)->segments.count; i++) {
-		const struct pass *p = emit_alone_pass(e, i);
-
-		for (int out = 0; out < 2 && p->tiles; out++)
-			add_moves(&t, list, find_moves(p, out, list));
-	}
+	for (int i = 0; i < emit_part_places(e) && !emit_is_operation(e) && !emit_main(e)->segments.count; i++)
+		tiles_add(&t, emit_part(e, i));
 	return t;
 }
 
@@ -116,8 +62,8 @@ int emit_alone_block(const struct emission *e)
 {
 	int most = 0;
 
-	for (int i = 0; i < emit_alone_count(e); i++) {
-		const struct pass *p = emit_alone_pass(e, i);
+	for (int i = 0; i < emit_part_places(e); i++) {
+		const struct pass *p = emit_part(e, i);
 		int words = p->tiles ? tiles_words(p, e->options) : 0;
 
 		most = words > most ? words : most;
@@ -150,7 +96,7 @@ static const char *moves_text(const struct emission *e, const struct pass *p, in
 		text_printf(&lines, "\t\trneagen_tile_%s(%s_slice", is_output ? "out" : "in", p->dag.arguments[m->place].name);
 		if (m->slot)
 			text_printf(&lines, " + RNEA_PART_BLOCK*%d", m->slot);
-		text_printf(&lines, ", &tiles.map[%d], %d);\n", find_tile(&t, m), m->row);
+		text_printf(&lines, ", &tiles.map[%d], %d);\n", tiles_find(&t, m->argument, m->rows), m->row);
 		*rows += m->rows;
 	}
 	return text_string(&lines);
@@ -171,12 +117,8 @@ static const char *leave_text(const struct emission *e, const struct pass *p)
 void emit_tiled_kernel(const struct emission *e, const struct tiled_kernel *k, struct text *out)
 {
 	const struct pass *p = k->pass;
-	const struct part part = tiled(p);
-	struct emission blocks = *e; /* slices are as wide as the block */
+	const struct slices s = emit_slices(e, p->tiles, "RNEA_PART_BLOCK");
 	int rows = 0, are_inputs = tiles_are_inputs(p);
-
-	blocks.block = "RNEA_PART_BLOCK";
-	const struct slices s = emit_slices(&blocks, &part);
 	const struct call call = {.indent = "\t\t", .arguments = s.here, .q = "q_here", .stride = are_inputs ? "count" : "RNEA_PART_BLOCK",
 		.q_stride = "RNEA_PART_BLOCK", .part = k->part, .is_staged = 1, .is_tiled = 1, .handed = k->handed};
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", k->name}, {"T", e->memory->type},
@@ -191,8 +133,8 @@ void emit_tiled_kernel(const struct emission *e, const struct tiled_kernel *k, s
 /* Do tiles leave, too? */
 static int has_outputs(const struct emission *e)
 {
-	for (int i = 0; i < emit_alone_count(e); i++)
-		if (emit_alone_pass(e, i)->tiles && !tiles_are_inputs(emit_alone_pass(e, i)))
+	for (int i = 0; i < emit_part_places(e); i++)
+		if (emit_part(e, i)->tiles && !tiles_are_inputs(emit_part(e, i)))
 			return 1;
 	return 0;
 }

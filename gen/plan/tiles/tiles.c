@@ -3,8 +3,8 @@
 #include "plan/grid/places.h"
 #include "plan/stage.h"
 
-/* Operations of a text in parts of matrices beyond which it has such kernels; of others. */
-enum { LEAST_COLUMNS = 11000, LEAST_SINGLE = 1400, LEAST_DOUBLE = 2000 };
+/* Operations beyond which other texts have such kernels, in f32 and in f64. */
+enum { LEAST_SINGLE = 1400, LEAST_DOUBLE = 2000 };
 
 /* Bytes of a sample with a vjp at most, of one part and of the only one: ptxas leaves room for no more than 640 of a thread, for what no
    register holds among them. */
@@ -117,7 +117,7 @@ static int is_long(const struct chosen *x)
 	unsigned operations = plan_flops(parts_operations(x->parts, x->count, &x->whole->plan));
 
 	if (x->count && !parts_are_apart(x->parts, x->count))
-		return operations > LEAST_COLUMNS;
+		return operations > TILES_COLUMNS;
 	return operations > (x->of->options->precision == RNEAGEN_F32 ? LEAST_SINGLE : LEAST_DOUBLE);
 }
 
@@ -147,6 +147,13 @@ static int choose_apart(struct pass *p, const struct chosen *x, struct arena *a)
 	return 1;
 }
 
+static void drop(const struct chosen *x)
+{
+	x->whole->tiles = NULL;
+	for (int i = 0; i < x->count; i++)
+		x->parts[i].pass.tiles = NULL;
+}
+
 static int choose_parts(const struct chosen *x, struct arena *a)
 {
 	for (int i = 0; i < x->count; i++) {
@@ -156,50 +163,52 @@ static int choose_parts(const struct chosen *x, struct arena *a)
 			return 0;
 	}
 	if (request_wants_derivative(x->of->request) && !are_all(x))
-		for (int i = 0; i < x->count; i++)
-			x->parts[i].pass.tiles = NULL;
+		drop(x);
 	return 1;
 }
 
-/* ---- tensor maps: one for so many rows of an argument ---- */
+/* ---- tensor maps ---- */
 
-struct maps {
-	int argument[TILES_LIMIT], rows[TILES_LIMIT], count; /* count: TILES_LIMIT + 1 where there is no room for all */
-};
-
-static void add_map(struct maps *m, int argument, int rows)
+int tiles_find(const struct tiles *t, int argument, int rows)
 {
-	for (int i = 0; i < m->count && i < TILES_LIMIT; i++)
-		if (m->argument[i] == argument && m->rows[i] == rows)
-			return;
-	if (m->count < TILES_LIMIT) {
-		m->argument[m->count] = argument;
-		m->rows[m->count] = rows;
-	}
-	m->count += m->count <= TILES_LIMIT;
+	int i = 0;
+
+	while (i < t->count && (t->list[i].argument != argument || t->list[i].rows != rows))
+		i++;
+	return i;
 }
 
-static void add_maps(struct maps *m, const struct pass *p)
+static int add(struct tiles *t, int argument, int rows)
+{
+	int at = tiles_find(t, argument, rows);
+
+	if (at == TILES_LIMIT)
+		return 0;
+	t->list[at].argument = argument;
+	t->list[at].rows = rows;
+	t->count += at == t->count;
+	return 1;
+}
+
+int tiles_add(struct tiles *t, const struct pass *p)
 {
 	for (int i = 0; p->tiles && i < p->dag.argument_count; i++)
 		for (int k = 0; k < STRETCHES; k++)
-			if (p->tiles->own[i][k].rows)
-				add_map(m, i, p->tiles->own[i][k].rows);
+			if (p->tiles->own[i][k].rows && !add(t, i, p->tiles->own[i][k].rows))
+				return 0;
+	return 1;
 }
 
 /* Not where a launch would pass on too many. */
 static void bound_maps(const struct chosen *x)
 {
-	struct maps m = {.count = 0};
+	struct tiles t = {.count = 0};
+	int has_room = tiles_add(&t, x->whole);
 
-	add_maps(&m, x->whole);
 	for (int i = 0; i < x->count; i++)
-		add_maps(&m, &x->parts[i].pass);
-	if (m.count <= TILES_LIMIT)
-		return;
-	x->whole->tiles = NULL;
-	for (int i = 0; i < x->count; i++)
-		x->parts[i].pass.tiles = NULL;
+		has_room = has_room && tiles_add(&t, &x->parts[i].pass);
+	if (!has_room)
+		drop(x);
 }
 
 static int choose(const struct chosen *x, struct arena *a)
@@ -243,4 +252,11 @@ int tiles_are_inputs(const struct pass *p)
 const struct stretches *tiles_rows(const struct pass *p)
 {
 	return tiles_are_inputs(p) ? p->tiles : p->stretches;
+}
+
+int tiles_divide_q(const struct pass *p)
+{
+	const struct stretches *s = tiles_rows(p);
+
+	return s && s->own[0][1].rows > 0;
 }

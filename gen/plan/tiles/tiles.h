@@ -5,8 +5,25 @@
 
 #include "plan/grid/parts.h"
 
+/* Operations of a text in parts of matrices beyond which it has kernels of large batches. */
+enum { TILES_COLUMNS = 11000 };
+
 /* Tensor maps of a launch at most, of 128 bytes each: a kernel may have 4096 bytes of parameters. */
 enum { TILES_LIMIT = 28 };
+
+/* The maps of some passes: one for so many rows of an argument. */
+struct tiles {
+	struct {
+		int argument, rows;
+	} list[TILES_LIMIT];
+	int count;
+};
+
+/* With those of a pass. Returns 0 where there is no room for them. */
+int tiles_add(struct tiles *t, const struct pass *p);
+
+/* Which one it is; t->count: none. */
+int tiles_find(const struct tiles *t, int argument, int rows);
 
 /* Compute capability of the first devices with such an engine, ten times. */
 enum { TILES_ARCH = 90 };
@@ -24,6 +41,9 @@ int tiles_block(int bytes);
 
 /* Are the rows of inputs alone there, so that they have a stride of their own? */
 int tiles_are_inputs(const struct pass *p);
+
+/* Are the rows of q that it has in slices in two stretches, with a gap between them? */
+int tiles_divide_q(const struct pass *p);
 
 /* The rows that the slices of a pass have, those of a part that shares nothing with others, or of tiles of inputs; NULL: of all. */
 const struct stretches *tiles_rows(const struct pass *p);
