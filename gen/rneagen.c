@@ -3,7 +3,7 @@
 #include "rneagen.h"
 #include "base/identifier.h"
 #include "emit/emit.h"
-#include "plan/limb_limits.h"
+#include "plan/limbs/limb_limits.h"
 #include "plan/lanes/lanes.h"
 #include "plan/segments.h"
 #include "plan/stage.h"

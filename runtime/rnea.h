@@ -176,7 +176,7 @@ struct rnea_matrix {
 struct rnea_limbs {
 	unsigned warps;  /* that share out each sample; 0: there is no such kernel, or it did not compile */
 	unsigned groups;
-	size_t bytes;    /* of a group of 32 samples */
+	size_t bytes;    /* of a group of 32 samples; more than 48 KiB have to be asked for (CU_FUNC_ATTRIBUTE_MAX_DYNAMIC_SHARED_SIZE_BYTES) */
 	size_t most;     /* samples of a batch up to which it is faster */
 	unsigned parts;  /* of its grid along y */
 };

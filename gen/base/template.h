@@ -51,7 +51,8 @@ extern const char template_sincos_f32x2_bounded_in[], template_sincos_f32x2_know
 	template_f32x2_quotient_in[], template_reciprocal_in[];
 extern const char template_joints_in[], template_independent_in[], template_function_only_in[], template_sincos_declaration_in[];
 extern const char template_kernel_limbs_in[], template_limbs_join_in[], template_limb_in[];
-extern const char template_limb_known_in[], template_launch_limbs_in[];
+extern const char template_limb_known_in[], template_launch_limbs_in[], template_limb_table_in[], template_limbs_first_in[];
+extern const char template_limbs_room_in[];
 extern const char template_kernel_again_in[], template_call_known_in[], template_call_any_in[], template_spill_in[];
 extern const char template_columns_in[], template_segment_columns_c_in[], template_lanes_in[], template_lanes_call_in[];
 extern const char template_each_in[], template_each_numbers_in[], template_numbers_in[];

@@ -135,6 +135,57 @@ const char *emit_sines_bytes(const struct emission *e)
 	return text_string(&t);
 }
 
+/* ---- expressions ---- */
+
+/* Each input by a name, NULL: by its load; nothing else has one. */
+static const char **names_of_inputs(const struct unparser *u, const char *name)
+{
+	const struct dag *d = u->plan->dag;
+	const char **names = arena_alloc(u->emission->arena, d->count, sizeof *names);
+
+	for (size_t i = 0; names && i < d->count; i++) {
+		struct text t;
+
+		if (d->nodes[i].op != OP_INPUT)
+			continue;
+		text_init(&t, u->emission->arena);
+		unparse_load(u, &d->nodes[i], &t);
+		names[i] = name ? name : text_string(&t);
+	}
+	return names;
+}
+
+void unparse_angles(const struct emission *e, const struct pass *pass, const struct number_type *numbers,
+	const struct angles *list, const char *suffix, struct text *out)
+{
+	struct unparser u = unparse_new(e, pass, e->numbers), wide = unparse_new(e, pass, e->wide ? e->wide : e->numbers);
+	struct plan plan = pass->plan;
+
+	plan.names = names_of_inputs(&u, NULL);
+	if (!plan.names)
+		return;
+	u.plan = wide.plan = &plan;
+	u.narrow = wide.narrow = &u;
+	u.wide = wide.wide = e->wide ? &wide : NULL;
+	for (int i = 0; i < list->count; i++) {
+		text_printf(out, "\tx%s[%d] = ", suffix, i);
+		unparse_angle(numbers == e->wide ? &wide : &u, list->angle[i], out);
+		text_put(out, ";\n");
+	}
+}
+
+void unparse_angle_of(const struct emission *e, const struct pass *p, struct ref angle, const char *input, struct text *out)
+{
+	struct unparser u = unparse_new(e, p, e->numbers);
+	struct plan plan = p->plan;
+
+	plan.names = names_of_inputs(&u, input);
+	u.plan = &plan;
+	u.narrow = &u;
+	if (plan.names)
+		unparse_angle(&u, angle, out);
+}
+
 /* ---- functions ---- */
 
 static void put_each(const struct emission *e, const struct pass *p, const struct number_type *n, const char *suffix,

@@ -117,7 +117,7 @@ static void put_expression(const struct unparser *u, struct ref a, struct text *
 	}
 }
 
-static void put_load(const struct unparser *u, const struct node *n, struct text *out)
+void unparse_load(const struct unparser *u, const struct node *n, struct text *out)
 {
 	put_around(&u->numbers->load, 0, out);
 	text_put(out, dag_reading_of(n) ? "RNEA_READ_ANEW(" : "");
@@ -131,7 +131,7 @@ static void put_load(const struct unparser *u, const struct node *n, struct text
 	put_around(&u->numbers->load, 1, out);
 }
 
-static void put_angle(const struct unparser *u, struct ref a, struct text *out)
+void unparse_angle(const struct unparser *u, struct ref a, struct text *out)
 {
 	const struct node *n = &u->plan->dag->nodes[a.i];
 
@@ -172,7 +172,7 @@ static void put_sincos(const struct unparser *u, struct ref a, struct text *out)
 	cosine = cosine ? cosine : unused;
 	text_printf(out, "%s %s, %s;\n\t", u->numbers->value, sine, cosine);
 	text_printf(out, "%s%s(", asks ? "all_small &= " : "", emit_sincos_name(e, u->numbers));
-	put_angle(u, n->arg[0], out);
+	unparse_angle(u, n->arg[0], out);
 	if (asks)
 		put_known(u, n->arg[0], out);
 	text_printf(out, ", &%s, &%s)", sine, cosine);
@@ -216,7 +216,7 @@ static void put_assignment(const struct unparser *u, struct ref a, struct text *
 	}
 	text_printf(out, "const %s %s = ", u->numbers->value, u->plan->names[a.i]);
 	if (n->op == OP_INPUT)
-		put_load(u, n, out);
+		unparse_load(u, n, out);
 	else
 		put_expression(u, a, out);
 }
@@ -249,6 +249,9 @@ static void put_statement(const struct unparser *u, const struct line *l, struct
 	case LINE_KEEP:
 		put_slot(u, l, out);
 		text_printf(out, " = %s", u->plan->names[l->value.i]);
+		break;
+	case LINE_SINE:
+		text_printf(out, "const %s %s = sines[%zu]", u->numbers->value, u->plan->names[l->value.i], l->index);
 		break;
 	case LINE_JOIN:
 		text_put(out, EMIT_JOIN "()");
@@ -301,7 +304,7 @@ static void put_line(struct unparser *u, const struct line *l, struct text *out)
 	fold(out, from);
 }
 
-static struct unparser unparser_new(const struct emission *e, const struct pass *pass, const struct number_type *numbers)
+struct unparser unparse_new(const struct emission *e, const struct pass *pass, const struct number_type *numbers)
 {
 	return (struct unparser){.emission = e, .pass = pass, .plan = &pass->plan, .numbers = numbers,
 		.calls = e->options->strict ? numbers->strict_calls : numbers->calls};
@@ -311,8 +314,8 @@ void unparse_begin(struct writer *w, const struct emission *e, const struct pass
 {
 	const struct number_type *wide = emit_wide(e);
 
-	w->own = unparser_new(e, pass, numbers);
-	w->wide = unparser_new(e, pass, wide ? wide : numbers);
+	w->own = unparse_new(e, pass, numbers);
+	w->wide = unparse_new(e, pass, wide ? wide : numbers);
 	w->own.narrow = w->wide.narrow = &w->own;
 	w->own.wide = w->wide.wide = wide ? &w->wide : NULL;
 	if (emit_has_known(e)) {
@@ -334,43 +337,6 @@ void unparse_lines(struct writer *w, const struct plan *p, struct text *out)
 		put_line(&w->own, &p->lines[i], out);
 	}
 	emit_each_before(&w->own, p, p->line_count, out);
-}
-
-/* Each input as its load; nothing else has a name. */
-static const char **names_of_inputs(const struct unparser *u)
-{
-	const struct dag *d = u->plan->dag;
-	const char **names = arena_alloc(u->emission->arena, d->count, sizeof *names);
-
-	for (size_t i = 0; names && i < d->count; i++) {
-		struct text t;
-
-		if (d->nodes[i].op != OP_INPUT)
-			continue;
-		text_init(&t, u->emission->arena);
-		put_load(u, &d->nodes[i], &t);
-		names[i] = text_string(&t);
-	}
-	return names;
-}
-
-void unparse_angles(const struct emission *e, const struct pass *pass, const struct number_type *numbers,
-	const struct angles *list, const char *suffix, struct text *out)
-{
-	struct unparser u = unparser_new(e, pass, e->numbers), wide = unparser_new(e, pass, e->wide ? e->wide : e->numbers);
-	struct plan plan = pass->plan;
-
-	plan.names = names_of_inputs(&u);
-	if (!plan.names)
-		return;
-	u.plan = wide.plan = &plan;
-	u.narrow = wide.narrow = &u;
-	u.wide = wide.wide = e->wide ? &wide : NULL;
-	for (int i = 0; i < list->count; i++) {
-		text_printf(out, "\tx%s[%d] = ", suffix, i);
-		put_angle(numbers == e->wide ? &wide : &u, list->angle[i], out);
-		text_put(out, ";\n");
-	}
 }
 
 void unparse(const struct emission *e, const struct pass *pass, const struct number_type *numbers, struct numbers *table,

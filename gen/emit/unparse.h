@@ -45,9 +45,17 @@ void unparse_begin(struct writer *w, const struct emission *e, const struct pass
 void unparse_within(struct writer *w, const struct plan *lines);
 void unparse_lines(struct writer *w, const struct plan *lines, struct text *out);
 
-/* Lines `x[i] = ...`, one for each angle of the list. `suffix` goes after x. */
+/* A load of an input; an angle as sines and cosines are made of it. */
+void unparse_load(const struct unparser *u, const struct node *n, struct text *out);
+void unparse_angle(const struct unparser *u, struct ref angle, struct text *out);
+struct unparser unparse_new(const struct emission *e, const struct pass *p, const struct number_type *numbers);
+
+/* Lines `x[i] = ...`, one for each angle of the list, each input as its load. `suffix` goes after x. */
 void unparse_angles(const struct emission *e, const struct pass *p, const struct number_type *numbers, const struct angles *list,
 	const char *suffix, struct text *out);
+
+/* An angle whose input has this name. */
+void unparse_angle_of(const struct emission *e, const struct pass *p, struct ref angle, const char *input, struct text *out);
 
 /* Where the bounds of an output begin in those of all: one output's come after the other's. */
 int unparse_first_bound(const struct dag *d, int argument);

@@ -6,12 +6,12 @@
 #include "dynamics/registry.h"
 #include "tree/alike.h"
 
-enum line_kind { LINE_SECTION, LINE_INPUT, LINE_VALUE, LINE_SINCOS, LINE_STORE, LINE_FETCH, LINE_KEEP, LINE_JOIN };
+enum line_kind { LINE_SECTION, LINE_INPUT, LINE_VALUE, LINE_SINCOS, LINE_STORE, LINE_FETCH, LINE_KEEP, LINE_SINE, LINE_JOIN };
 
 struct line {
 	enum line_kind kind;
-	struct ref value;   /* INPUT, VALUE, FETCH, KEEP; SINCOS: the sine or the cosine, whichever came first */
-	size_t index;       /* SECTION: into dag->sections; STORE: into dag->outputs; FETCH, KEEP: the slot */
+	struct ref value;   /* INPUT, VALUE, FETCH, KEEP, SINE; SINCOS: the sine or the cosine, whichever came first */
+	size_t index;       /* SECTION: into dag->sections; STORE: into dag->outputs; FETCH, KEEP: the slot; SINE: where in the table */
 };
 
 struct plan {
@@ -29,16 +29,24 @@ struct segments {
 	int slots[2];       /* of a sample across the cuts: of numbers, of wide numbers */
 };
 
-/* The plan once more, shared out among warps that wait for each other between phases (limbs.h). */
+/* Each angle once, in the order of the statements. */
+struct angles {
+	const struct dag *dag;
+	struct ref *angle;
+	int count;
+};
+
+/* The plan once more, shared out among warps that wait for each other between phases (limbs/limbs.h). */
 struct limbs {
 	int warps;          /* 0: there are none */
 	struct plan *plans; /* each the lines of a warp, what it fetches and keeps among them, and where it waits */
 	int phases;
 	int slots;          /* of a sample, for what goes across */
 	int alive;          /* values that a warp has at once at most */
+	struct angles first; /* whose sines all threads make before the first phase, by their rows; none: a warp makes those that it takes */
 	unsigned longest, whole; /* operations of the longest warp, the phases after each other, and of the whole plan */
 	/* of the kernel, whose passes have the same */
-	int words;      /* of a sample in shared memory */
+	int words;      /* of a sample in shared memory: what goes across, and then sines that are made first */
 	int groups;     /* of 32 samples, in a block at most */
 	unsigned most;  /* samples of a batch up to which it is launched */
 };

@@ -8,7 +8,7 @@ int readings_made(const struct plan *p, const struct line *l, struct ref made[2]
 	enum op op = p->dag->nodes[l->value.i].op;
 	int count = 0;
 
-	if (l->kind == LINE_INPUT || l->kind == LINE_VALUE || l->kind == LINE_FETCH)
+	if (l->kind == LINE_INPUT || l->kind == LINE_VALUE || l->kind == LINE_FETCH || l->kind == LINE_SINE)
 		made[count++] = l->value;
 	if (l->kind != LINE_SINCOS)
 		return count;

@@ -1,5 +1,5 @@
 #include "tell/dump.h"
-#include "plan/limbs.h"
+#include "plan/limbs/limbs.h"
 #include "plan/segments.h"
 
 void dump_robot(const struct dumped *d, struct text *out)

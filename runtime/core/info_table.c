@@ -52,7 +52,7 @@ static enum rnea_code read_limbs(struct parser *p, struct rnea_limbs *l, unsigne
 {
 	l->parts = parts;
 	if (info_count(p, &l->warps, 2, LIMBS_LIMIT) || info_count(p, &l->groups, 1, GROUPS_LIMIT) ||
-		words_number(&p->w, &l->bytes, 0, STAGE_LIMIT / l->groups))
+		words_number(&p->w, &l->bytes, 0, GIVEN_LIMIT / l->groups))
 		return p->w.error->code;
 	return words_number(&p->w, &l->most, 1, SIZE_MAX / 2);
 }

@@ -7,14 +7,15 @@ static int find(struct limbs_kernel *l, void *module, const struct device *d, co
 	const struct rnea_limbs *info)
 {
 	struct rnea_error ignored = {0};
+	size_t bytes = info->bytes * info->groups;
 
 	source_symbol(s->name, function, "limbs", l->one.name);
-	if (device_find(d, module, &l->one, 0, &ignored) || !l->one.function ||
-		l->one.resources.max_block < LIMBS_LANES * info->warps * info->groups)
+	if (device_find(d, module, &l->one, bytes, &ignored) || !l->one.function ||
+		l->one.resources.max_block < LIMBS_LANES * info->warps * info->groups || (bytes > OWN_SHARED && !l->one.given_bytes))
 		return 0;
 	l->all = l->one;
 	l->one.given_bytes = info->bytes;
-	l->all.given_bytes = info->bytes * info->groups;
+	l->all.given_bytes = bytes;
 	l->info = *info;
 	return 1;
 }

@@ -1,7 +1,7 @@
 /* Plans shared out among warps, run by rules alone: what a warp reads it has made itself or fetched from a slot that held it
    before the last wait, no slot is written while another warp may read it, each output is stored once. */
 #include "passes/analysis.h"
-#include "plan/limbs.h"
+#include "plan/limbs/limbs.h"
 #include "support/model.h"
 #include "support/random_robot.h"
 #include "support/rng.h"
@@ -68,6 +68,18 @@ static void make_sines(const struct checked *x, struct ref r)
 	x->has[s.i] = x->has[c.i] = x->has[r.i] = 1;
 }
 
+/* Behind what goes across, its angle's sine before the cosine. */
+static void expect_sine(const struct checked *x, const struct line *l)
+{
+	const struct angles *first = &x->limbs->first;
+	const struct node *n = &x->whole->dag->nodes[l->value.i];
+	size_t place = l->index - (size_t)x->limbs->slots;
+
+	ck_assert_msg(l->index >= (size_t)x->limbs->slots && place < 2 * (size_t)first->count, "%s: a sine at %zu", x->what, l->index);
+	ck_assert_msg(first->angle[place / 2].i == n->arg[0].i && n->op == (place % 2 ? OP_COS : OP_SIN), "%s: %s stands elsewhere than at %zu",
+		x->what, x->whole->names[l->value.i], l->index);
+}
+
 /* Writes of all warps, and what each has. */
 static void run_writes(const struct checked *x, int warp)
 {
@@ -100,6 +112,10 @@ static void run_writes(const struct checked *x, int warp)
 			*c = (struct cell){.written = l->value.i, .writer = warp};
 			break;
 		}
+		case LINE_SINE:
+			expect_sine(x, l);
+			x->has[l->value.i] = 1;
+			break;
 		default: /* inputs, and what it fetches */
 			x->has[l->value.i] = 1;
 		}
@@ -147,7 +163,20 @@ static void check_limbs(const struct plan *p, const struct limbs *s, const char 
 		ck_assert_msg(x.stored[i] == 1, "%s: output %zu is stored %d times", what, i, x.stored[i]);
 }
 
-/* With `first` to `last` warps, each four times as many. Returns how many schedules there were. */
+/* Sines are made first where all angles are made of one input each. */
+static void expect_first(const struct plan *p, const struct limbs *s, int has_first, const char *what)
+{
+	int sines = 0;
+
+	for (int w = 0; w < s->warps; w++)
+		for (size_t i = 0; i < s->plans[w].line_count; i++)
+			sines += s->plans[w].lines[i].kind == LINE_SINCOS;
+	ck_assert_msg(s->first.count == (has_first ? (int)plan_operations(p).sincos : 0), "%s: %d angles first", what, s->first.count);
+	ck_assert_msg(!has_first || !sines, "%s: %d sines beside those that are made first", what, sines);
+}
+
+/* With `first` to `last` warps, each four times as many, without sines that are made first and with them. Returns how many schedules
+   there were. */
 static int check_text(const char *urdf, size_t length, const struct rneagen_options *o, const char *name, int first, int last)
 {
 	struct analysis a;
@@ -159,15 +188,16 @@ static int check_text(const char *urdf, size_t length, const struct rneagen_opti
 	if (analysis_open(&a, urdf, length, o, &e))
 		return 0;
 	ck_assert(plan_build(&p, &a.dag, &a.tree, a.arena));
-	for (int warps = first; warps <= last; warps *= 4) {
-		struct limbs_limits limits = {.warps = warps, .across = warps == 2 ? 48 : 384, .join = 20};
+	for (int k = 0, warps = first; warps <= last; warps *= k % 2 ? 4 : 1, k++) {
+		struct limbs_limits limits = {.warps = warps, .across = warps == 2 ? 48 : 384, .join = 20, .has_first_sines = k % 2};
 		struct limbs s;
 
 		ck_assert(limbs_make(&s, &p, &limits, a.arena));
-		snprintf(what, sizeof what, "%s, scene '%s', %d warps", name, o->scene, warps);
+		snprintf(what, sizeof what, "%s, scene '%s', %d warps%s", name, o->scene, warps, k % 2 ? ", sines first" : "");
 		ck_assert(!s.warps || (s.slots <= (int)limits.across && 10 * s.longest <= 9 * s.whole));
 		if (s.warps)
 			check_limbs(&p, &s, what, a.arena);
+		expect_first(&p, &s, k % 2, what);
 		count += s.warps > 0;
 	}
 	analysis_free(&a);

@@ -5,6 +5,7 @@
    The schedules themselves: test_limbs. */
 #define _POSIX_C_SOURCE 200809L
 #include "launched.h"
+#include "support/random_robot.h"
 #include "support/suite.h"
 #include "target/launch_library.h"
 #include <dlfcn.h>
@@ -22,14 +23,33 @@ static const struct subject {
 	enum rneagen_trig trig;
 	int has_most;  /* also the largest batch that takes it, and one more */
 	int is_strict; /* the same bits */
+	int has_first; /* all threads make the sines before the warps part */
 } SUBJECTS[] = {
-	{"iiwa14", "", 0, 4, 1, RNEAGEN_F32, RNEAGEN_ACCURATE, 0, 0},
-	{"hyq", "", 1, 4, 1, RNEAGEN_F32, RNEAGEN_BOUNDED, 1, 0},
-	{"atlas", "", 0, 4, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 0, 1},
-	{"panda", "want tau,dtau_dq,dtau_dqd\n", 0, 2, 2, RNEAGEN_F64, RNEAGEN_ACCURATE, 1, 0},
-	{"hyq", "want qdd\n", 0, 4, 1, RNEAGEN_MIXED, RNEAGEN_ACCURATE, 0, 0},
+	{"iiwa14", "", 0, 4, 1, RNEAGEN_F32, RNEAGEN_ACCURATE, 0, 0, 0},
+	{"hyq", "", 1, 4, 1, RNEAGEN_F32, RNEAGEN_BOUNDED, 1, 0, 0},
+	{"atlas", "", 0, 4, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 0, 1, 0},
+	{"panda", "want tau,dtau_dq,dtau_dqd\n", 0, 2, 2, RNEAGEN_F64, RNEAGEN_ACCURATE, 1, 0, 0},
+	{"hyq", "want qdd\n", 0, 4, 1, RNEAGEN_MIXED, RNEAGEN_ACCURATE, 0, 0, 0},
+	{"chain_75", "", 0, 8, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 0, 0, 1}, /* more shared memory than is a kernel's own */
+	{"atlas", "want M,tau,dtau_dq\n", 0, 4, 3, RNEAGEN_F64, RNEAGEN_ACCURATE, 0, 0, 1},
+	{"random", "", 1, 4, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 0, 0, 1},
+	{"random", "want tau,dtau_dq\n", 0, 4, 1, RNEAGEN_MIXED, RNEAGEN_ACCURATE, 0, 0, 1},
 };
-enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
+enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS, CHAIN = 5 };
+
+/* Joints that follow others turn by multiples of their angles. */
+static void generate_random(const struct subject *s, struct rneagen_options *o, struct target *t)
+{
+	static const struct random_robot_knobs knobs = {.links = 44, .branching = 0.3, .prismatic = 0.1, .planar = 0.05, .mimic = 0.2,
+		.odd_axis = 0.3, .general_rpy = 0.3};
+	char *urdf = random_robot(SEED, &knobs);
+
+	ck_assert_ptr_nonnull(strstr(urdf, "mimic"));
+	o->scene = *s->scene ? s->scene : NULL;
+	o->base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	target_generate(t, urdf, strlen(urdf), o, s->name);
+	free(urdf);
+}
 
 static void generate(const struct subject *s, int limbs, struct target *t)
 {
@@ -40,7 +60,10 @@ static void generate(const struct subject *s, int limbs, struct target *t)
 	o.strict = s->is_strict;
 	o.limbs = limbs;
 	o.parts = limbs == RNEAGEN_LIMBS_NONE ? 1 : s->parts;
-	launched_generate(t, s->name, s->scene, s->floating, &o);
+	if (!strcmp(s->name, "random"))
+		generate_random(s, &o, t);
+	else
+		launched_generate(t, s->name, s->scene, s->floating, &o);
 }
 
 static unsigned threads_of_last_launch(void)
@@ -96,6 +119,7 @@ START_TEST(test_values)
 	generate(s, s->warps, &limbs);
 	generate(s, RNEAGEN_LIMBS_NONE, &whole);
 	ck_assert_ptr_null(strstr(whole.text.source, "RNEA_LIMBS"));
+	ck_assert_int_eq(strstr(limbs.text.source, "_table(") != NULL, s->has_first);
 	counts[4] = s->has_most ? most_of(&limbs) : 0;
 	counts[5] = s->has_most ? most_of(&limbs) + 1 : 0;
 	for (int i = 0; i < 6; i++)
@@ -110,7 +134,7 @@ END_TEST
 
 /* ---- a robot without it ---- */
 
-/* An option leaves it out; a device of smaller blocks cannot have it. */
+/* An option leaves it out; a device of smaller blocks, or with less shared memory, cannot have it. */
 START_TEST(test_without)
 {
 	static const char *const without[] = {"-DRNEA_NO_LIMBS"};
@@ -120,9 +144,11 @@ START_TEST(test_without)
 	struct launch x;
 	struct target t;
 
-	if (_i)
+	if (_i == 1)
 		setenv("RNEA_FAKE_CUDA_MAX_BLOCK", "128", 1);
-	generate(&SUBJECTS[0], _i ? 16 : 4, &t);
+	if (_i == 2)
+		setenv("RNEA_FAKE_CUDA_SHARED", "65536", 1);
+	generate(&SUBJECTS[_i == 2 ? CHAIN : 0], _i == 2 ? 8 : _i ? 16 : 4, &t);
 	ck_assert_msg(!rnea_open(t.text.source, strlen(t.text.source), &o, &robot, &e), "%s", e.message);
 	ck_assert_uint_eq(rnea_info(robot)->functions->limbs.warps, 0);
 	ck_assert_uint_eq(rnea_info(robot)->functions->limbs.most, 0);
@@ -193,7 +219,7 @@ int main(void)
 
 	launched_pretend();
 	suite_add(s, "values", test_values, SUBJECT_COUNT, 600);
-	suite_add(s, "without", test_without, 2, 60);
+	suite_add(s, "without", test_without, 3, 60);
 	suite_add(s, "refused", test_refused, 2, 60);
 	suite_add(s, "launch", test_launch, 1, 120);
 	return suite_run(s);

@@ -71,7 +71,8 @@ static void put_warp(const struct emission *e, const struct pass *p, int warp, s
 		rest_of = rest_after(lines, inputs.line_count);
 	const struct angles list = warp_angles(e, lines);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, warp)},
-		{"COUNT", emit_int(e, p->limbs.warps)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"T", e->numbers->value}};
+		{"COUNT", emit_int(e, p->limbs.warps)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"T", e->numbers->value},
+		{"SINES", emit_table_param(e, p)}};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;
 	const char *rest = template_expand_to(out, template_limb_in, "BODY", slots, count);
 
@@ -131,6 +132,7 @@ static const char *warps_text(const struct emission *e, const struct crew *c)
 		unparse_begin(&w, e, p, e->numbers);
 		if (emit_has_zeros(e, p))
 			w.own.zeros = ZEROS_LEFT;
+		emit_put_table(e, p, &t);
 		for (int i = 0; i < p->limbs.warps; i++)
 			put_warp(e, p, i, &w, &t);
 	}
@@ -146,8 +148,8 @@ static const char *cases_text(const struct emission *e, const struct crew *c)
 		const struct pass *p = crew_pass(e, c, k);
 
 		for (int i = 0; i < p->limbs.warps; i++)
-			text_printf(&t, "\tcase %d:\n\t\t%s_%s_limb%d(%s, across);\n\t\tbreak;\n", k * p->limbs.warps + i,
-				e->options->name, p->algorithm->name, i, emit_at_sample(e, p));
+			text_printf(&t, "\tcase %d:\n\t\t%s_%s_limb%d(%s, across%s);\n\t\tbreak;\n", k * p->limbs.warps + i,
+				e->options->name, p->algorithm->name, i, emit_at_sample(e, p), p->limbs.first.count ? ", sines" : "");
 	}
 	return text_string(&t);
 }
@@ -160,6 +162,12 @@ const struct limbs *emit_limbs_of(const struct emission *e)
 int emit_limbs_bytes(const struct emission *e, const struct limbs *s)
 {
 	return s->words * e->arithmetic->bytes * WARP_THREADS;
+}
+
+/* More than a kernel has without being asked; groups of more samples are those that have room in that. */
+static int needs_room(const struct emission *e, const struct limbs *s)
+{
+	return emit_limbs_bytes(e, s) > SHARED_BYTES;
 }
 
 const char *emit_unless_limbs(const struct emission *e, const char *what)
@@ -185,6 +193,32 @@ static const char *join_text(const struct emission *e, const struct limbs *s, co
 	return text_string(&t);
 }
 
+/* What runs before the warps part: the sines of each part that has them made first. */
+static const char *first_text(const struct emission *e, const struct crew *c)
+{
+	const struct limbs *s = &crew_pass(e, c, 0)->limbs;
+	struct text calls, t;
+	int tables = 0;
+
+	text_init(&t, e->arena);
+	text_init(&calls, e->arena);
+	for (int k = 0; k < c->count; k++) {
+		const struct pass *p = crew_pass(e, c, k);
+
+		if (!p->limbs.first.count)
+			continue;
+		text_printf(&calls, c->count > 1 ? "\tif (blockIdx.y == %d)\n\t" : "", k);
+		text_printf(&calls, "\t%s_%s_table(%s);\n", e->options->name, p->algorithm->name, emit_table_arguments(e));
+		tables++;
+	}
+	const struct slot slots[] = {{"T", e->numbers->value}, {"NAME", e->options->name}, {"WORDS", emit_int(e, s->words)},
+		{"CALLS", text_string(&calls)}};
+
+	if (tables)
+		template_expand(&t, template_limbs_first_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
 static void put_crew(const struct emission *e, const struct crew *c, struct text *out)
 {
 	const struct limbs *s = &crew_pass(e, c, 0)->limbs;
@@ -192,13 +226,15 @@ static void put_crew(const struct emission *e, const struct crew *c, struct text
 	const char *lines = warps_text(e, c);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", c->named->algorithm->name}, {"T", e->numbers->value},
 		{"MACRO", c->macro}, {"WARPS", emit_int(e, s->warps)}, {"WORDS", emit_int(e, s->words)},
-		{"GROUPS", emit_int(e, s->groups)}, {"JOIN", join_text(e, s, lines)}, {"LIMBS", lines}, {"CASES", cases_text(e, c)},
+		{"GROUPS", emit_int(e, s->groups)}, {"JOIN", join_text(e, s, lines)}, {"LIMBS", lines}, {"FIRST", first_text(e, c)}, {"CASES", cases_text(e, c)},
 		{"MOST", emit_int(e, (int)s->most)}, {"BYTES", emit_int(e, emit_limbs_bytes(e, s))},
 		{"PART", has_parts ? "blockIdx.y*RNEA_LIMBS + " : ""},
 		{"ZEROS", c->is_start ? "" : emit_zero_loops(e, "blockIdx.y*RNEA_LIMBS + warp%RNEA_LIMBS", "gridDim.y*RNEA_LIMBS")},
 		{"RESTRICT_PARAMS", emit_params(e, c->named, PARAMS_CUDA_RESTRICT)}};
 
 	template_expand(out, template_kernel_limbs_in, slots, sizeof slots / sizeof *slots);
+	if (needs_room(e, s))
+		template_expand(out, template_limbs_room_in, slots, sizeof slots / sizeof *slots);
 }
 
 void emit_limbs(const struct emission *e, struct text *out)
@@ -218,11 +254,14 @@ void emit_limbs(const struct emission *e, struct text *out)
 
 static const char *launch_text(const struct emission *e, const struct crew *c, const char *parts)
 {
-	struct text t;
+	struct text room, t;
 
 	text_init(&t, e->arena);
+	text_init(&room, e->arena);
+	if (needs_room(e, &crew_pass(e, c, 0)->limbs))
+		text_printf(&room, " && %s_%s_limbs_have_room()", e->options->name, c->named->algorithm->name);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", c->named->algorithm->name}, {"MACRO", c->macro},
-		{"PARTS", parts}};
+		{"PARTS", parts}, {"ROOM", text_string(&room)}};
 
 	template_expand(&t, template_launch_limbs_in, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);

@@ -1,7 +1,7 @@
 /* The expressions are those of loops over columns; what each kernel writes tells what it is to make. */
 #include "plan/grid/relay.h"
 #include "plan/grid/apart.h"
-#include "plan/limb_limits.h"
+#include "plan/limbs/limb_limits.h"
 #include "plan/segments.h"
 #include "plan/stage.h"
 #include <limits.h>

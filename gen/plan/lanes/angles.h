@@ -4,13 +4,6 @@
 
 #include "plan/plan.h"
 
-/* Each angle once, in the order of the statements. */
-struct angles {
-	const struct dag *dag;
-	struct ref *angle;
-	int count;
-};
-
 /* Those of a pass whose sines are wide numbers, or the others. */
 struct angles angles_of(const struct pass *p, int is_wide, struct arena *a);
 

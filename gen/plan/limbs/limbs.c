@@ -1,5 +1,6 @@
-#include "plan/limbs.h"
-#include "plan/deal.h"
+#include "plan/limbs/limbs.h"
+#include "plan/limbs/deal.h"
+#include "plan/limbs/first_sines.h"
 #include <string.h>
 
 /* Long plans are refined once: gradients of atlas take half a second, and warps come out as short. */
@@ -97,16 +98,54 @@ static int alive_in(const struct plan *p, struct arena *a)
 	return most;
 }
 
+/* The plan that is dealt out: with sines that are made first, where it is long. Returns the operations of the whole. */
+static unsigned begin(struct dealer *x, struct limbs *s, struct plan *with)
+{
+	unsigned whole = 0;
+
+	if (!deal_begin(x))
+		return 0;
+	whole = deal_whole(x);
+	if (!x->limits->has_first_sines || !first_sines_make(with, &s->first, x->p, x->a))
+		return whole;
+	x->p = with;
+	x->lines = (uint32_t)with->line_count;
+	return deal_begin(x) ? whole : 0;
+}
+
+unsigned limbs_operations(const struct plan *p, struct arena *a)
+{
+	struct readings r;
+	unsigned sum = 0;
+
+	if (!readings_make(&r, p, a))
+		return 0;
+	for (size_t i = 0; i < p->line_count; i++)
+		sum += r.weight[i] + (p->lines[i].kind == LINE_INPUT || p->lines[i].kind == LINE_STORE);
+	readings_free(&r, a);
+	return sum;
+}
+
+/* The table stands behind what goes across. */
+static void place_table(struct limbs *s)
+{
+	for (int w = 0; w < s->warps; w++)
+		for (size_t i = 0; i < s->plans[w].line_count; i++)
+			if (s->plans[w].lines[i].kind == LINE_SINE)
+				s->plans[w].lines[i].index += (size_t)s->slots;
+}
+
 int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits *limits, struct arena *a)
 {
 	struct dealer x = {.p = p, .limits = limits, .a = a, .lines = (uint32_t)p->line_count};
+	struct plan with;
 	struct deal best;
 	unsigned whole, least;
 
 	*s = (struct limbs){0};
-	if (!deal_begin(&x))
+	whole = begin(&x, s, &with);
+	if (a->failed)
 		return 0;
-	whole = deal_whole(&x);
 	best = choose(&x, whole, &least);
 	s->whole = whole;
 	s->longest = least;
@@ -114,6 +153,7 @@ int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits 
 		return 1;
 	deal_run(&x, &best, TOO_MUCH);
 	deal_plans(&x, s);
+	place_table(s);
 	for (int w = 0; w < s->warps; w++) {
 		int alive = alive_in(&s->plans[w], a);
 
@@ -132,7 +172,7 @@ static void put_warp(const struct plan *lines, int warp, struct text *out)
 			continue;
 		}
 		text_printf(out, "  warp %d phase %d: %d inputs, %d sines, %d values, %d stores, %d fetched, %d kept\n", warp,
-			phase++, count[LINE_INPUT], count[LINE_SINCOS], count[LINE_VALUE], count[LINE_STORE], count[LINE_FETCH],
+			phase++, count[LINE_INPUT], count[LINE_SINCOS] + count[LINE_SINE], count[LINE_VALUE], count[LINE_STORE], count[LINE_FETCH],
 			count[LINE_KEEP]);
 		memset(count, 0, sizeof count);
 	}

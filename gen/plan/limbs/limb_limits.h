@@ -2,7 +2,7 @@
 #define RNEAGEN_LIMB_LIMITS_H
 /* Whether small batches have a kernel of their own, with how many warps, and up to which batch it is launched. */
 
-#include "plan/limbs.h"
+#include "plan/limbs/limbs.h"
 
 /* Make the limbs of passes that one kernel runs side by side, with the same number of warps, as the options ask for, or
    where that pays; what the kernel needs to know of all is in the limbs of each. Returns 0 when memory runs out. */

@@ -2,7 +2,7 @@
 #define RNEAGEN_DEAL_H
 /* Lines of a plan dealt out to warps, phase by phase: what limbs.c tries. */
 
-#include "plan/limbs.h"
+#include "plan/limbs/limbs.h"
 #include "plan/readings.h"
 
 /* A phase takes for each warp at most so many operations; which, is tried from a share of the whole up to the whole. */

@@ -7,14 +7,18 @@
 
 struct limbs_limits {
 	int warps;         /* that share a sample */
-	unsigned across;   /* values in shared memory at most */
+	unsigned across;   /* values in shared memory at most, beside a table of sines */
 	unsigned join;     /* what it costs to wait for all warps, in operations */
+	int has_first_sines; /* if all angles are made of one input each */
 };
 
 /* Share out the plan so that the longest warp is short, where that takes less than the whole by a tenth; s->warps is 0
    where it does not. Inputs are read, and cheap values made, by each warp that takes them; what one makes in a phase
    and another takes in a later one goes across in a slot of memory. Returns 0 when memory runs out. */
 int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits *limits, struct arena *a);
+
+/* Of all lines; a sine with its cosine is 24, an input or a store one. */
+unsigned limbs_operations(const struct plan *p, struct arena *a);
 
 /* A line for each warp and phase of the pass. */
 void limbs_dump(const struct pass *p, struct text *out);

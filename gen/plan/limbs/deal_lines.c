@@ -1,5 +1,5 @@
 /* What goes across, and the lines of each warp. */
-#include "plan/deal.h"
+#include "plan/limbs/deal.h"
 #include <string.h>
 
 /* ---- what goes across ---- */
@@ -113,7 +113,7 @@ static void make_warp(const struct dealer *x, struct crossing *c, int warp, stru
 		if (phase)
 			add(out, LINE_JOIN, none, (size_t)phase);
 		for (uint32_t i = 0; i < x->lines; i++)
-			if (deal_did(x, warp, i) == phase + 1 && deal_is_work(x, i))
+			if (deal_did(x, warp, i) == phase + 1 && x->p->lines[i].kind != LINE_INPUT)
 				add_line(x, c, warp, i, out);
 	}
 }

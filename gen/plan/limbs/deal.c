@@ -1,4 +1,4 @@
-#include "plan/deal.h"
+#include "plan/limbs/deal.h"
 #include <string.h>
 
 int deal_is_work(const struct dealer *x, uint32_t line)
@@ -8,9 +8,14 @@ int deal_is_work(const struct dealer *x, uint32_t line)
 	return kind == LINE_VALUE || kind == LINE_SINCOS || kind == LINE_STORE;
 }
 
+/* Inputs do not cross, nor do sines that stand in a table: each warp reads those that it takes. */
+static int is_there(const struct dealer *x, uint32_t line)
+{
+	return x->p->lines[line].kind == LINE_INPUT || x->p->lines[line].kind == LINE_SINE;
+}
+
 /* ---- what a line takes ---- */
 
-/* Inputs do not cross: each warp reads those that it takes. */
 static int has_crossed(const struct dealer *x, uint32_t line)
 {
 	return x->made[line] && x->made[line] <= x->phase;
@@ -60,7 +65,7 @@ static void take(struct dealer *x, int warp, uint32_t line)
 		if (has_crossed(x, i))
 			continue;
 		x->did[(size_t)warp * x->lines + i] = (unsigned char)(x->phase + 1);
-		if (!x->made[i] && x->p->lines[i].kind != LINE_INPUT)
+		if (!x->made[i] && !is_there(x, i))
 			x->made[i] = (unsigned char)(x->phase + 1);
 	}
 }
@@ -231,7 +236,7 @@ int deal_begin(struct dealer *x)
 	for (uint32_t i = 0; i < n; i++) {
 		enum line_kind kind = x->p->lines[i].kind;
 
-		x->weight[i] = x->readings.weight[i] + (kind == LINE_INPUT || kind == LINE_STORE);
+		x->weight[i] = x->readings.weight[i] + (kind == LINE_INPUT || kind == LINE_SINE || kind == LINE_STORE);
 	}
 	return 1;
 }
