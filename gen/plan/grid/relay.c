@@ -296,6 +296,6 @@ int relay_limbs(struct relay *r, const struct request *k, const struct rneagen_o
 	if (!limbs_choose(&start, 1, o, a))
 		return 0;
 	if (r->start_count)
-		limbs_beside_parts(&start->limbs, k);
+		limbs_beside_parts(&start->limbs, k, o);
 	return 1;
 }

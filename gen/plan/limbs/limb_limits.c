@@ -19,6 +19,10 @@ enum { START = 330, LATER = 270 };
    and 34.3. */
 enum { SHORT_OPERATIONS = 1500, MOST_SHORT = 16384, MOST_LONG = 4096, MOST_JOINED = 1024 };
 
+/* With sines made first in f64, 2048 samples, whole and limbs: tau of chain_75 43.1 and 27.7, of g1_brainco 21.1 and 18.3, of floating
+   g1_29dof 11.8 and 7.1, but of jvrc1 7.2 and 7.7; gradients in parts gain nothing there, nor do f32 texts. */
+enum { MOST_FIRST_F64 = 2048 };
+
 /* Limbs that share much, or something and gain little, win within one block alone; one sample and 1024, us, whole and limbs, with
    values across for 100 operations: both gradients of iiwa14 3.68 and 2.40, 4.08 and 3.63 (3.2); of ur5 2.52 and 2.14,
    2.59 and 3.18 (7.0); of panda in f64 7.17 and 6.37, 7.54 and 9.32 (5.9); accelerations of floating hyq 4.76 and
@@ -33,8 +37,10 @@ enum { GROUPS = 2, REGISTERS = 65536, SPARE_REGISTERS = 24, MOST_THREADS = 1024 
    atlas in f32 at 1024 samples 8.4 and in parts 5.9; f64, limbs for 1, 256 and 1024 samples, and parts for 4096: qdd of
    atlas 10.7 13.4 18.7 and 17.3, of g1_29dof 14.7 17.8 24.1 and 11.5, of jvrc1 17.6 21.9 30.4 and 23.5; tau and vjp of
    atlas 9.5 12.2 17.2 and 20.1, of g1_29dof 11.0 14.5 20.7 and 13.6, of romeo 17.2 for 1024 and 14.5, of baxter 6.9 and
-   5.9. */
-enum { MOST_BESIDE_PARTS = 256 };
+   5.9. With sines made first, one sample, 256 and 512, in parts and by limbs: qdd of atlas 6.4 6.2 6.2 and 4.2 5.1 5.6, in f64 10.4 9.4 9.8
+   and 9.5 10.2 11.4, of g1_29dof in f64 8.7 9.4 9.8 and 9.8 10.6 11.8; tau and vjp of atlas 6.4 6.2 6.4 and 4.4 5.3 5.8, in f64 17.8 15.0
+   13.9 and 9.0 9.6 10.3, of jvrc1 in f64 20.2 20.6 20.3 and 10.1 11.4 12.8. */
+enum { MOST_BESIDE_PARTS = 256, MOST_BESIDE_QDD_F64 = 32, MOST_BESIDE_VJP_F64 = 512 };
 
 /* Outputs that go through windows have no limbs, whose warps would write elements that stand a sample apart (64 to 4096 samples,
    both gradients of hyq, whole matrices: 21 us, through windows 8.6). */
@@ -140,12 +146,12 @@ static int shares_much(const struct limbs *s)
 			100 * (s->longest + START + LATER) > GAIN_PERCENT * (s->whole + START));
 }
 
-static unsigned most_samples(const struct limbs *s, unsigned whole, int words, int count)
+static unsigned most_samples(const struct limbs *s, unsigned whole, int words, int count, unsigned bytes)
 {
 	if (count == 1 && shares_much(s))
 		return MOST_SHARING;
 	if (count > 1 || words)
-		return MOST_JOINED;
+		return count == 1 && bytes == 8 && s->first.count ? MOST_FIRST_F64 : MOST_JOINED;
 	return whole < SHORT_OPERATIONS ? MOST_SHORT : MOST_LONG;
 }
 
@@ -153,7 +159,7 @@ static unsigned most_samples(const struct limbs *s, unsigned whole, int words, i
 static void set_launch(struct pass *const *passes, int count, const struct rneagen_options *o)
 {
 	int words = words_across(passes, count), groups = most_groups(passes, count, words, number_bytes(o));
-	unsigned most = most_samples(&passes[0]->limbs, longest_pass(passes, count), words, count);
+	unsigned most = most_samples(&passes[0]->limbs, longest_pass(passes, count), words, count, number_bytes(o));
 
 	for (int i = 0; i < count; i++) {
 		passes[i]->limbs.words = words;
@@ -202,8 +208,11 @@ int limbs_choose(struct pass *const *passes, int count, const struct rneagen_opt
 	return !a->failed;
 }
 
-void limbs_beside_parts(struct limbs *s, const struct request *k)
+void limbs_beside_parts(struct limbs *s, const struct request *k, const struct rneagen_options *o)
 {
-	if ((k->is_forward || request_wants_derivative(k)) && s->most > MOST_BESIDE_PARTS)
-		s->most = MOST_BESIDE_PARTS;
+	int is_f64 = number_bytes(o) == 8 && s->first.count;
+	unsigned most = !is_f64 ? MOST_BESIDE_PARTS : k->is_forward ? MOST_BESIDE_QDD_F64 : MOST_BESIDE_VJP_F64;
+
+	if ((k->is_forward || request_wants_derivative(k)) && s->most > most)
+		s->most = most;
 }

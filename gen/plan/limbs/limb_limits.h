@@ -9,6 +9,6 @@
 int limbs_choose(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a);
 
 /* Of the whole, beside parts that share nothing: for fewer samples where these are as fast. */
-void limbs_beside_parts(struct limbs *s, const struct request *k);
+void limbs_beside_parts(struct limbs *s, const struct request *k, const struct rneagen_options *o);
 
 #endif
