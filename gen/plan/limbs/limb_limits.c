@@ -39,8 +39,11 @@ enum { GROUPS = 2, REGISTERS = 65536, SPARE_REGISTERS = 24, MOST_THREADS = 1024 
    atlas 9.5 12.2 17.2 and 20.1, of g1_29dof 11.0 14.5 20.7 and 13.6, of romeo 17.2 for 1024 and 14.5, of baxter 6.9 and
    5.9. With sines made first, one sample, 256 and 512, in parts and by limbs: qdd of atlas 6.4 6.2 6.2 and 4.2 5.1 5.6, in f64 10.4 9.4 9.8
    and 9.5 10.2 11.4, of g1_29dof in f64 8.7 9.4 9.8 and 9.8 10.6 11.8; tau and vjp of atlas 6.4 6.2 6.4 and 4.4 5.3 5.8, in f64 17.8 15.0
-   13.9 and 9.0 9.6 10.3, of jvrc1 in f64 20.2 20.6 20.3 and 10.1 11.4 12.8. */
-enum { MOST_BESIDE_PARTS = 256, MOST_BESIDE_QDD_F64 = 32, MOST_BESIDE_VJP_F64 = 512 };
+   13.9 and 9.0 9.6 10.3, of jvrc1 20.2 20.6 20.3 and 10.1 11.4 12.8, of g1_29dof 11.3 11.1 11.4 and 9.4 12.2 13.5, of romeo 10.4 9.9 10.7 and
+   9.7 11.5 12.4. Warps for each part instead of for the whole, one sample, 256 and 1024: qdd of g1_29dof 5.8 7.7 10.5 and 3.9 4.7 7.3, in
+   f64 9.3 11.8 15.8 and 10.0 10.7 14.9, of atlas in f64 9.1 11.4 15.2 and 10.4 12.1 16.4; tau and vjp of jvrc1 8.5 11.9 16.8 and 7.4 8.3
+   11.6, of g1_29dof in f64 9.4 12.2 16.6 and 10.8 11.6 15.2. */
+enum { MOST_BESIDE_PARTS = 256, MOST_BESIDE_QDD_F64 = 32 };
 
 /* Outputs that go through windows have no limbs, whose warps would write elements that stand a sample apart (64 to 4096 samples,
    both gradients of hyq, whole matrices: 21 us, through windows 8.6). */
@@ -210,8 +213,7 @@ int limbs_choose(struct pass *const *passes, int count, const struct rneagen_opt
 
 void limbs_beside_parts(struct limbs *s, const struct request *k, const struct rneagen_options *o)
 {
-	int is_f64 = number_bytes(o) == 8 && s->first.count;
-	unsigned most = !is_f64 ? MOST_BESIDE_PARTS : k->is_forward ? MOST_BESIDE_QDD_F64 : MOST_BESIDE_VJP_F64;
+	unsigned most = number_bytes(o) == 8 && s->first.count && k->is_forward ? MOST_BESIDE_QDD_F64 : MOST_BESIDE_PARTS;
 
 	if ((k->is_forward || request_wants_derivative(k)) && s->most > most)
 		s->most = most;
