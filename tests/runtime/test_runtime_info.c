@@ -269,8 +269,8 @@ static const struct damage {
 	{"rneagen-info 3\nfunction f\nlimbs 1 1 0 1\n", "line 3: the number is out of range"},
 	{"rneagen-info 3\nfunction f\nlimbs 17 1 0 1\n", "line 3: the number is out of range"},
 	{"rneagen-info 3\nfunction f\nlimbs 4 0 0 1\n", "line 3: the number is out of range"},
-	{"rneagen-info 3\nfunction f\nlimbs 4 2 24577 1\n", "line 3: the number is out of range"}, /* a block has 48 KiB */
-	{"rneagen-info 3\nfunction f\nlimbs 4 2 24576 0\n", "line 3: the number is out of range"},
+	{"rneagen-info 3\nfunction f\nlimbs 4 2 116225 1\n", "line 3: the number is out of range"}, /* a block has 227 KiB */
+	{"rneagen-info 3\nfunction f\nlimbs 4 2 116224 0\n", "line 3: the number is out of range"},
 	{"rneagen-info 4\nfunction f\nrelay 0 1 1\n", "line 3: the number is out of range"},
 	{"rneagen-info 4\nfunction f\nrelay 232449 1 1\n", "line 3: the number is out of range"}, /* a block has 227 KiB */
 	{"rneagen-info 4\nfunction f\nrelay 8 33 1\n", "line 3: the number is out of range"},

@@ -5,8 +5,9 @@
    2.67, 6.55 and 5.49; atlas in f64 6.60 and 3.20, 8.03 and 7.40. Eight warps are better where four are long:
    g1_brainco 20.6 and 8.8, with four 11.2; atlas gains nothing from them, its gradients in 4 parts take 10.9 instead
    of 9.7, and two warps are slower. With sines made first, one sample by four warps and eight: qdd of atlas 3.8 and 5.4, in f64 10.3 and 9.0,
-   tau of g1_brainco 4.4 and 6.4, in f64 11.4 and 8.9, with the vjp of jvrc1 9.4 and 8.5, in f64 15.2 and 9.6. Arms gain nothing: iiwa14 1.42 and 1.50. Functions of more operations were not
-   measured: it takes seconds to share them out, and more values than there are registers wait in each warp. */
+   tau of g1_brainco 4.4 and 6.4, in f64 11.4 and 8.9, with the vjp of jvrc1 9.4 and 8.5, in f64 15.2 and 9.6. Arms gain nothing:
+   iiwa14 1.42 and 1.50. Functions of more operations were not measured: it takes seconds to share them out, and more values than there are
+   registers wait in each warp. */
 enum { LEAST_OPERATIONS = 800, MOST_OPERATIONS = 10000, WARPS = 4, MORE_WARPS = 8, LONG_WARP = 2000, LONG_WARP_F64 = 1900 };
 
 /* A sample of N operations takes 0.5 + 0.0015 N us, with warps of N operations 0.9 + 0.0015 N: their kernel starts so
@@ -52,8 +53,8 @@ enum { MOST_BESIDE_PARTS = 256, MOST_BESIDE_QDD_F64 = 32 };
    its lines fetches the code of each. H100, us, one sample, 32 and 1024, without and with: gradients of atlas in f64 15.9 15.9 24.1 and
    11.1 11.8 19.1, in f32 8.4 8.4 11.3 and 8.0 8.5 11.0; tau of chain_75 14.1 14.2 25.0 and 11.1 12.6 20.1, in f64 25.7 25.8 42.4 and 14.4
    16.4 25.1; qdd of atlas 6.2 6.3 11.0 and 3.8 4.5 7.8. What is made first waits: not so tau of atlas, 2.4 2.5 3.9 and 2.5 3.3 4.4, and
-   tau with vjp of floating hyq in f64, 3.1 3.1 5.9 and 4.1 4.4 7.6. In f64 a sine takes as many more instructions: tau of floating g1_29dof
-   5.7 5.8 8.9 and 3.4 4.5 6.5. */
+   tau with vjp of floating hyq in f64, 3.1 3.1 5.9 and 4.1 4.4 7.6. In f64, where a sine is three times as many instructions, it counts
+   twice: tau of floating g1_29dof 5.7 5.8 8.9 and 3.4 4.5 6.5. */
 enum { FIRST_SINES = 4100, SINE_OPERATIONS = 24 };
 
 /* A wait costs as much as so many operations. */
@@ -75,10 +76,13 @@ static int makes_sines_first(struct pass *const *passes, int count, const struct
 {
 	if (o->strict || o->trig != RNEAGEN_ACCURATE)
 		return 0;
-	for (int i = 0; i < count; i++)
-		if (limbs_operations(&passes[i]->plan, a) + (number_bytes(o) == 8 ? SINE_OPERATIONS * plan_operations(&passes[i]->plan).sincos : 0) >=
-			FIRST_SINES)
+	for (int i = 0; i < count; i++) {
+		const struct plan *p = &passes[i]->plan;
+		unsigned again = number_bytes(o) == 8 ? SINE_OPERATIONS * plan_operations(p).sincos : 0;
+
+		if (limbs_operations(p, a) + again >= FIRST_SINES)
 			return 1;
+	}
 	return 0;
 }
 
@@ -86,7 +90,8 @@ static int makes_sines_first(struct pass *const *passes, int count, const struct
 static unsigned make_all(struct pass *const *passes, int count, int warps, const struct rneagen_options *o, struct arena *a)
 {
 	struct limbs_limits limits = {.warps = warps,
-		.across = SHARED_BYTES / WARP_THREADS / number_bytes(o) - 1, .join = JOIN_OPERATIONS, .has_first_sines = makes_sines_first(passes, count, o, a)};
+		.across = SHARED_BYTES / WARP_THREADS / number_bytes(o) - 1, .join = JOIN_OPERATIONS,
+		.has_first_sines = makes_sines_first(passes, count, o, a)};
 	unsigned longest = 0;
 
 	for (int i = 0; i < count; i++) {
