@@ -3647,8 +3647,8 @@ static int rneagen_make_tile(rneagen_tile_map *map, void *array, size_t count, u
 #endif
 
 /* The maps of the tiles. Returns 0 where the one kernel is to run: the rows of an array do not begin at multiples of 16
-   bytes, or there is
-   no copy engine, without which it is faster. */
+   bytes,
+   or there is no copy engine, without which it is faster. */
 static int hyq_make_tiles(hyq_tiles *tiles, void *const *arguments, size_t count)
 {
 	static const struct {

@@ -301,12 +301,6 @@ void emit_segments_kernel(const struct emission *e, const struct pass *p, struct
    bytes of shared memory of a group. */
 int emit_has_limbs(const struct emission *e);
 void emit_limbs(const struct emission *e, struct text *out);
-
-/* A function by which the threads of a block make the sines that its warps read; a warp's parameter for them, and what the kernel hands
-   the function. Nothing where each warp makes its own. */
-void emit_put_table(const struct emission *e, const struct pass *p, struct text *out);
-const char *emit_table_param(const struct emission *e, const struct pass *p);
-const char *emit_table_arguments(const struct emission *e);
 const char *emit_launch_limbs(const struct emission *e);
 const char *emit_launch_start_limbs(const struct emission *e);
 const struct limbs *emit_limbs_of(const struct emission *e);

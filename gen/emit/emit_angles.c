@@ -30,7 +30,7 @@ static const struct pass *table_of(const struct emission *e, const struct pass *
 
 struct angles emit_angles(const struct emission *e, const struct pass *p, int is_wide)
 {
-	return angles_of(table_of(e, p), is_wide, e->arena);
+	return angles_of(&table_of(e, p)->plan, is_wide, e->arena);
 }
 
 /* ---- arguments ---- */

@@ -22,8 +22,8 @@ static int is_read(const struct dag *d, const struct node *n)
 	return n->op == OP_INPUT && !d->arguments[n->arg[0].i].is_output;
 }
 
-/* By row: is it touched, in any array that has stretches? Returns how many rows there are; 0 where arrays have different ones, or too
-   many. */
+/* By row: is it touched, in any array that has stretches? Returns how many rows there are; 0 where arrays have different ones,
+   or too many. */
 static int mark_rows(const struct stretches *s, const struct dag *d, unsigned char *touched)
 {
 	int rows = 0;

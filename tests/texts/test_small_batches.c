@@ -35,7 +35,7 @@ static const struct subject {
 	{"random", "", 1, 4, 1, RNEAGEN_F64, RNEAGEN_ACCURATE, 0, 0, 1},
 	{"random", "want tau,dtau_dq\n", 0, 4, 1, RNEAGEN_MIXED, RNEAGEN_ACCURATE, 0, 0, 1},
 };
-enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS, CHAIN = 5 };
+enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS, CHAIN = 5, WITHOUT_COUNT = 3 };
 
 /* Joints that follow others turn by multiples of their angles. */
 static void generate_random(const struct subject *s, struct rneagen_options *o, struct target *t)
@@ -138,17 +138,19 @@ END_TEST
 START_TEST(test_without)
 {
 	static const char *const without[] = {"-DRNEA_NO_LIMBS"};
+	static const struct {
+		const char *variable, *value; /* of the pretended device */
+		int subject, warps;
+	} cases[WITHOUT_COUNT] = {{NULL, NULL, 0, 4}, {"RNEA_FAKE_CUDA_MAX_BLOCK", "128", 0, 16}, {"RNEA_FAKE_CUDA_SHARED", "65536", CHAIN, 8}};
 	struct rnea_options o = {.backend = RNEA_BACKEND_CUDA, .compile = without, .compile_count = !_i};
 	struct rnea_robot *robot;
 	struct rnea_error e;
 	struct launch x;
 	struct target t;
 
-	if (_i == 1)
-		setenv("RNEA_FAKE_CUDA_MAX_BLOCK", "128", 1);
-	if (_i == 2)
-		setenv("RNEA_FAKE_CUDA_SHARED", "65536", 1);
-	generate(&SUBJECTS[_i == 2 ? CHAIN : 0], _i == 2 ? 8 : _i ? 16 : 4, &t);
+	if (cases[_i].variable)
+		setenv(cases[_i].variable, cases[_i].value, 1);
+	generate(&SUBJECTS[cases[_i].subject], cases[_i].warps, &t);
 	ck_assert_msg(!rnea_open(t.text.source, strlen(t.text.source), &o, &robot, &e), "%s", e.message);
 	ck_assert_uint_eq(rnea_info(robot)->functions->limbs.warps, 0);
 	ck_assert_uint_eq(rnea_info(robot)->functions->limbs.most, 0);
@@ -219,7 +221,7 @@ int main(void)
 
 	launched_pretend();
 	suite_add(s, "values", test_values, SUBJECT_COUNT, 600);
-	suite_add(s, "without", test_without, 3, 60);
+	suite_add(s, "without", test_without, WITHOUT_COUNT, 60);
 	suite_add(s, "refused", test_refused, 2, 60);
 	suite_add(s, "launch", test_launch, 1, 120);
 	return suite_run(s);

@@ -1,29 +1,23 @@
-/* Sines of small batches that all threads of a block make before its warps part. */
+#include "emit/kernels/emit_first_sines.h"
 #include "base/fold.h"
 #include "base/template.h"
-#include "emit/emit.h"
 #include "emit/unparse.h"
 #include "plan/limbs/first_sines.h"
-#include "plan/limbs/limbs.h"
-
-static int row_of(const struct angles *list, int i)
-{
-	return (int)list->dag->nodes[first_sines_input(list->dag, list->angle[i]).i].arg[1].i;
-}
 
 /* The row of angle i: rows follow each other, with a gap here and there, or are of two angles. */
 static const char *row_text(const struct emission *e, const struct angles *list)
 {
-	int first = row_of(list, 0);
+	int before = first_sines_row(list->dag, list->angle[0]);
 	struct text t;
 
 	text_init(&t, e->arena);
 	text_put(&t, "i");
-	if (first)
-		text_printf(&t, " + %d", first);
+	if (before)
+		text_printf(&t, " + %d", before);
 	for (int i = 1; i < list->count; i++) {
-		int gap = row_of(list, i) - row_of(list, i - 1) - 1;
+		int row = first_sines_row(list->dag, list->angle[i]), gap = row - before - 1;
 
+		before = row;
 		if (gap)
 			text_printf(&t, " %c (i >= %d ? %d : 0)", gap < 0 ? '-' : '+', i, gap < 0 ? -gap : gap);
 	}
@@ -38,7 +32,7 @@ static const char *angle_text(const struct emission *e, const struct pass *p)
 
 	text_init(&t, e->arena);
 	for (int i = 0; i < list->count; i++)
-		if (first_sines_input(list->dag, list->angle[i]).i != list->angle[i].i) {
+		if (list->dag->nodes[list->angle[i].i].op != OP_INPUT) {
 			text_printf(&t, "i == %d ? ", i);
 			unparse_angle_of(e, p, list->angle[i], "x", &t);
 			text_put(&t, " : ");

@@ -2,20 +2,10 @@
 #include "base/fold.h"
 #include "base/template.h"
 #include "emit/emit.h"
+#include "emit/kernels/emit_first_sines.h"
 #include "emit/unparse.h"
 #include "plan/stage.h"
 #include <string.h>
-
-/* The angles whose sines a warp makes. */
-static struct angles warp_angles(const struct emission *e, const struct plan *lines)
-{
-	struct angles list = {.dag = lines->dag, .angle = arena_alloc(e->arena, lines->line_count, sizeof *list.angle)};
-
-	for (size_t i = 0; list.angle && i < lines->line_count; i++)
-		if (lines->lines[i].kind == LINE_SINCOS)
-			list.angle[list.count++] = lines->dag->nodes[lines->lines[i].value.i].arg[0];
-	return list;
-}
 
 static const char *small_text(const struct emission *e, int angles)
 {
@@ -69,7 +59,7 @@ static void put_warp(const struct emission *e, const struct pass *p, int warp, s
 {
 	const struct plan *lines = &p->limbs.plans[warp], inputs = inputs_of(lines),
 		rest_of = rest_after(lines, inputs.line_count);
-	const struct angles list = warp_angles(e, lines);
+	const struct angles list = angles_of(lines, 0, e->arena);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, warp)},
 		{"COUNT", emit_int(e, p->limbs.warps)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"T", e->numbers->value},
 		{"SINES", emit_table_param(e, p)}};

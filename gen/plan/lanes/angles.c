@@ -1,14 +1,14 @@
 #include "plan/lanes/angles.h"
 
-struct angles angles_of(const struct pass *p, int is_wide, struct arena *a)
+struct angles angles_of(const struct plan *p, int is_wide, struct arena *a)
 {
-	struct angles list = {.dag = &p->dag, .angle = arena_alloc(a, plan_operations(&p->plan).sincos, sizeof *list.angle)};
+	struct angles list = {.dag = p->dag, .angle = arena_alloc(a, plan_operations(p).sincos, sizeof *list.angle)};
 
-	for (size_t i = 0; list.angle && i < p->plan.line_count; i++) {
-		const struct line *l = &p->plan.lines[i];
+	for (size_t i = 0; list.angle && i < p->line_count; i++) {
+		const struct node *n = &p->dag->nodes[p->lines[i].value.i];
 
-		if (l->kind == LINE_SINCOS && (int)p->dag.nodes[l->value.i].is_wide == is_wide)
-			list.angle[list.count++] = p->dag.nodes[l->value.i].arg[0];
+		if (p->lines[i].kind == LINE_SINCOS && (int)n->is_wide == is_wide)
+			list.angle[list.count++] = n->arg[0];
 	}
 	return list;
 }

@@ -134,7 +134,7 @@ static const unsigned char *find_loops(const struct dag *d, struct arena *a)
 /* Do the sines of each loop stand evenly in the table of the whole? */
 static int find_sines(const struct pass *p, const struct parts_of *x, struct arena *a)
 {
-	const struct angles list = angles_of(x->whole, 0, a);
+	const struct angles list = angles_of(&x->whole->plan, 0, a);
 
 	for (const struct line *l = p->plan.lines; l < p->plan.lines + p->plan.line_count; l++) {
 		struct ref angle = p->dag.nodes[l->value.i].arg[0];

@@ -206,13 +206,11 @@ unsigned deal_run(struct dealer *x, const struct deal *deal, unsigned enough)
 	return TOO_MUCH;
 }
 
-unsigned deal_whole(const struct dealer *x)
+unsigned deal_weight(const struct readings *r, size_t line)
 {
-	unsigned whole = 0;
+	enum line_kind kind = r->plan->lines[line].kind;
 
-	for (uint32_t i = 0; i < x->lines; i++)
-		whole += x->weight[i];
-	return whole;
+	return r->weight[line] + (kind == LINE_INPUT || kind == LINE_SINE || kind == LINE_STORE);
 }
 
 int deal_begin(struct dealer *x)
@@ -233,10 +231,7 @@ int deal_begin(struct dealer *x)
 		.last = arena_alloc(x->a, x->p->dag->count, 1), .seen = arena_alloc(x->a, x->p->dag->count, 1)};
 	if (!readings_make(&x->readings, x->p, x->a) || x->a->failed)
 		return 0;
-	for (uint32_t i = 0; i < n; i++) {
-		enum line_kind kind = x->p->lines[i].kind;
-
-		x->weight[i] = x->readings.weight[i] + (kind == LINE_INPUT || kind == LINE_SINE || kind == LINE_STORE);
-	}
+	for (uint32_t i = 0; i < n; i++)
+		x->weight[i] = deal_weight(&x->readings, i);
 	return 1;
 }

@@ -1,8 +1,9 @@
 #include "plan/limbs/first_sines.h"
+#include "plan/lanes/angles.h"
 #include "plan/readings.h"
-#include <string.h>
 
-struct ref first_sines_input(const struct dag *d, struct ref angle)
+/* The input that an angle is made of; 0: it is made of several, of an input that all samples share, or of none. */
+static struct ref input_of(const struct dag *d, struct ref angle)
 {
 	const struct node *n = &d->nodes[angle.i];
 	struct ref found = {0};
@@ -10,7 +11,7 @@ struct ref first_sines_input(const struct dag *d, struct ref angle)
 	if (n->op == OP_INPUT)
 		return n->arg[0].i == 0 && !d->arguments[0].per_batch ? angle : found;
 	for (int k = 0; k < op_arity[n->op]; k++) {
-		struct ref input = first_sines_input(d, n->arg[k]);
+		struct ref input = input_of(d, n->arg[k]);
 
 		if (d->nodes[n->arg[k].i].op == OP_CONST)
 			continue;
@@ -21,43 +22,39 @@ struct ref first_sines_input(const struct dag *d, struct ref angle)
 	return found;
 }
 
-static uint32_t row_of(const struct dag *d, struct ref angle)
+int first_sines_row(const struct dag *d, struct ref angle)
 {
-	return d->nodes[first_sines_input(d, angle).i].arg[1].i;
+	return (int)d->nodes[input_of(d, angle).i].arg[1].i;
 }
 
 /* Those of a row in the order of the plan. */
-static void insert(struct angles *list, struct ref angle)
+static void sort_by_rows(struct angles *list)
 {
-	int at = list->count++;
+	for (int i = 1; i < list->count; i++) {
+		struct ref angle = list->angle[i];
+		int at = i, row = first_sines_row(list->dag, angle);
 
-	for (; at > 0 && row_of(list->dag, list->angle[at - 1]) > row_of(list->dag, angle); at--)
-		list->angle[at] = list->angle[at - 1];
-	list->angle[at] = angle;
+		for (; at > 0 && first_sines_row(list->dag, list->angle[at - 1]) > row; at--)
+			list->angle[at] = list->angle[at - 1];
+		list->angle[at] = angle;
+	}
 }
 
 static int find_angles(struct angles *list, const struct plan *p, struct arena *a)
 {
-	*list = (struct angles){.dag = p->dag, .angle = arena_alloc(a, p->line_count + 1, sizeof *list->angle)};
-	for (size_t i = 0; list->angle && i < p->line_count; i++) {
-		struct ref angle = p->dag->nodes[p->lines[i].value.i].arg[0];
-
-		if (p->lines[i].kind != LINE_SINCOS)
-			continue;
-		if (!first_sines_input(p->dag, angle).i)
+	*list = angles_of(p, 0, a);
+	for (int i = 0; i < list->count; i++)
+		if (!input_of(p->dag, list->angle[i]).i)
 			return 0;
-		insert(list, angle);
-	}
-	return list->count > 0 && !a->failed;
+	sort_by_rows(list);
+	return list->count > 0;
 }
 
 static void put_sines(struct plan *out, const struct angles *list, const struct line *l)
 {
-	struct ref made[2], angle = list->dag->nodes[l->value.i].arg[0];
-	int count = readings_made(out, l, made), place = 0;
+	struct ref made[2];
+	int count = readings_made(out, l, made), place = angles_place(list, list->dag, list->dag->nodes[l->value.i].arg[0], NULL, 0);
 
-	while (list->angle[place].i != angle.i)
-		place++;
 	for (int k = 0; k < count; k++)
 		out->lines[out->line_count++] = (struct line){LINE_SINE, made[k],
 			2 * (size_t)place + (list->dag->nodes[made[k].i].op == OP_COS)};

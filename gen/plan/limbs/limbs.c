@@ -98,21 +98,6 @@ static int alive_in(const struct plan *p, struct arena *a)
 	return most;
 }
 
-/* The plan that is dealt out: with sines that are made first, where it is long. Returns the operations of the whole. */
-static unsigned begin(struct dealer *x, struct limbs *s, struct plan *with)
-{
-	unsigned whole = 0;
-
-	if (!deal_begin(x))
-		return 0;
-	whole = deal_whole(x);
-	if (!x->limits->has_first_sines || !first_sines_make(with, &s->first, x->p, x->a))
-		return whole;
-	x->p = with;
-	x->lines = (uint32_t)with->line_count;
-	return deal_begin(x) ? whole : 0;
-}
-
 unsigned limbs_operations(const struct plan *p, struct arena *a)
 {
 	struct readings r;
@@ -121,7 +106,7 @@ unsigned limbs_operations(const struct plan *p, struct arena *a)
 	if (!readings_make(&r, p, a))
 		return 0;
 	for (size_t i = 0; i < p->line_count; i++)
-		sum += r.weight[i] + (p->lines[i].kind == LINE_INPUT || p->lines[i].kind == LINE_STORE);
+		sum += deal_weight(&r, i);
 	readings_free(&r, a);
 	return sum;
 }
@@ -137,14 +122,16 @@ static void place_table(struct limbs *s)
 
 int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits *limits, struct arena *a)
 {
-	struct dealer x = {.p = p, .limits = limits, .a = a, .lines = (uint32_t)p->line_count};
+	struct dealer x = {.p = p, .limits = limits, .a = a};
 	struct plan with;
 	struct deal best;
-	unsigned whole, least;
+	unsigned whole = limbs_operations(p, a), least;
 
 	*s = (struct limbs){0};
-	whole = begin(&x, s, &with);
-	if (a->failed)
+	if (limits->has_first_sines && first_sines_make(&with, &s->first, p, a))
+		x.p = &with;
+	x.lines = (uint32_t)x.p->line_count;
+	if (!deal_begin(&x))
 		return 0;
 	best = choose(&x, whole, &least);
 	s->whole = whole;

@@ -17,7 +17,7 @@ struct limbs_limits {
    and another takes in a later one goes across in a slot of memory. Returns 0 when memory runs out. */
 int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits *limits, struct arena *a);
 
-/* Of all lines; a sine with its cosine is 24, an input or a store one. */
+/* Of all lines. */
 unsigned limbs_operations(const struct plan *p, struct arena *a);
 
 /* A line for each warp and phase of the pass. */
