@@ -307,6 +307,9 @@ const struct limbs *emit_limbs_of(const struct emission *e);
 const struct limbs *emit_start_limbs(const struct emission *e);
 int emit_limbs_bytes(const struct emission *e, const struct limbs *s);
 
+/* Do warps ask for sines that may be known, as the other kernels do: those that make sines themselves? Not where all are made first. */
+int emit_limbs_know(const struct emission *e);
+
 /* What a grid has along y, after a comma; "" where it has no parts. */
 const char *emit_along(const struct emission *e, int parts);
 

@@ -119,7 +119,7 @@ static void put_sincos(const struct emission *e, const struct number_type *n, st
 	text_putc(out, '\n');
 	text_put(out, trig == RNEAGEN_ACCURATE ? f->accurate : f->bounded);
 	if (emit_has_known(e))
-		text_put(out, f->known);
+		text_put(out, emit_limbs_know(e) ? f->known : emit_unless_limbs(e, f->known));
 	text_put(out, fast ? "#endif\n" : "");
 	text_put(out, fast ? "\n" : "");
 	text_put(out, fast ? f->fast : "");
@@ -190,9 +190,9 @@ static const char *guard_of(const struct emission *e, const char *function)
 static void put_declaration(const struct emission *e, const struct number_type *n, struct text *out)
 {
 	int known = emit_has_known(e);
-	struct text more;
-	struct text function;
+	struct text more, function, whole;
 
+	text_init(&whole, e->arena);
 	text_init(&function, e->arena);
 	text_printf(&function, "%s%s", n->sincos, known ? "known" : emit_trig_name(trig_of(e, n)));
 	text_init(&more, e->arena);
@@ -202,7 +202,8 @@ static void put_declaration(const struct emission *e, const struct number_type *
 		{"RESULT", known ? "int" : "void"}, {"KNOWN", text_string(&more)}, {"VALUE", n->value},
 		{"ANGLE", n->angle_is_memory ? n->memory->type : n->value}};
 
-	template_expand(out, template_sincos_declaration_in, slots, sizeof slots / sizeof *slots);
+	template_expand(&whole, template_sincos_declaration_in, slots, sizeof slots / sizeof *slots);
+	text_put(out, known && !emit_limbs_know(e) ? emit_unless_limbs(e, text_string(&whole)) : text_string(&whole));
 }
 
 const char *emit_sincos_declaration(const struct emission *e)

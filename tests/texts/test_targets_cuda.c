@@ -251,6 +251,20 @@ START_TEST(modes)
 }
 END_TEST
 
+/* A warp whose sines are made first calls none of the functions that make them, and the program of small batches alone has them not. */
+START_TEST(first_sines)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct target t;
+
+	o.precision = RNEAGEN_F32;
+	generate(&t, TEST_DIR "/robots/chain_75.urdf", &o, "cuda_first", "chain_75");
+	ck_assert_ptr_nonnull(strstr(t.text.source, "cuda_first_rnea_table("));
+	check_program(&t, "-DRNEA_ONLY_LIMBS", "limbs");
+	target_close(&t);
+}
+END_TEST
+
 struct tour {
 	int step, robots, turn;
 };
@@ -432,6 +446,7 @@ int main(void)
 	add_case(suite, "table", table_begins, NULL);
 	add_case(suite, "measured", measured_robots, find_nvcc);
 	add_case(suite, "modes", modes, find_nvcc);
+	add_case(suite, "first", first_sines, NULL);
 	add_case(suite, "others", other_robots, find_nvcc);
 	add_case(suite, "header", header_in_kernel, find_nvcc);
 	add_case(suite, "linked", linked_together, find_nvcc);

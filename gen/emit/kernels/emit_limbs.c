@@ -100,6 +100,30 @@ static const struct pass *crew_pass(const struct emission *e, const struct crew 
 	return c->is_start || emit_is_apart(e) ? c->named : emit_part(e, k);
 }
 
+static int crew_knows(const struct emission *e, const struct crew *c)
+{
+	for (int k = 0; k < c->count; k++) {
+		const struct pass *p = crew_pass(e, c, k);
+
+		if (plan_operations(&p->plan).sincos && !p->limbs.first.count)
+			return 1;
+	}
+	return 0;
+}
+
+int emit_limbs_know(const struct emission *e)
+{
+	const struct crew own = own_crew(e);
+
+	if (!emit_has_limbs(e) || crew_knows(e, &own))
+		return 1;
+	if (!emit_start_limbs(e))
+		return 0;
+	const struct crew start = start_crew(e);
+
+	return crew_knows(e, &start);
+}
+
 int emit_has_limbs(const struct emission *e)
 {
 	return e->target->kernel && emit_limbs_of(e)->warps;
