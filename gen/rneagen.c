@@ -153,7 +153,7 @@ static enum rneagen_code parts_choose(struct generation *g)
 	return a->error->code;
 }
 
-/* Batches are loops of target c; on a GPU the main kernel alone is long enough, and its grid may have parts instead. */
+/* On a GPU the main kernel alone is long enough, and its grid may have parts instead. */
 static enum segment_use segment_use(const struct generation *g, int pass)
 {
 	const struct rneagen_options *o = &g->analysis.options;
@@ -161,7 +161,7 @@ static enum segment_use segment_use(const struct generation *g, int pass)
 
 	if (target->kernel)
 		return pass == 0 && !g->part_count ? SEGMENT_KERNEL : SEGMENT_NONE;
-	return target->has_batches && !o->only_rnea ? SEGMENT_LOOPS : SEGMENT_NONE;
+	return target->has_batches ? SEGMENT_LOOPS : SEGMENT_NONE;
 }
 
 static enum rneagen_code segments_make_all(struct generation *g)

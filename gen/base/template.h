@@ -37,6 +37,7 @@ extern const char template_kernel_tiles_in[], template_tiles_in[], template_tile
 	template_tiles_launch_in[];
 extern const char template_parts_apart_in[], template_launch_hands_in[], template_stage_rows_aos_in[], template_stage_join_in[];
 extern const char template_segment_in[], template_segment_lanes_in[], template_segment_one_in[], template_part_segments_in[];
+extern const char template_segments_one_in[];
 extern const char template_segment_columns_in[], template_segment_columns_row_in[], template_segment_columns_put_in[];
 extern const char template_kernel_solve_in[], template_kernel_columns_in[], template_launch_relay_in[];
 extern const char template_kernel_segments_in[], template_kernel_segment_in[], template_kernel_segments_rounds_in[];
@@ -49,7 +50,7 @@ extern const char template_sincos_f64_bounded_in[], template_sincos_f64_known_in
 extern const char template_sincos_f32x2_core_in[], template_sincos_f32x2_accurate_in[];
 extern const char template_sincos_f32x2_bounded_in[], template_sincos_f32x2_known_in[], template_f32x2_in[],
 	template_f32x2_quotient_in[], template_reciprocal_in[];
-extern const char template_joints_in[], template_independent_in[], template_function_only_in[], template_sincos_declaration_in[];
+extern const char template_joints_in[], template_independent_in[], template_function_one_in[], template_sincos_declaration_in[];
 extern const char template_kernel_limbs_in[], template_limbs_join_in[], template_limb_in[];
 extern const char template_limb_known_in[], template_launch_limbs_in[], template_limb_table_in[], template_limbs_first_in[];
 extern const char template_limbs_room_in[];

@@ -252,10 +252,12 @@ int emit_has_segments(const struct emission *e)
 
 static void put_pass(const struct emission *e, const struct pass *p, struct text *out)
 {
+	text_put(out, emit_lanes_instead(e, p) ? EMIT_UNLESS_LANES : "");
 	if (p->segments.count)
 		emit_segments(e, p, out);
 	else
 		put_body(e, p, out);
+	text_put(out, emit_lanes_instead(e, p) ? "#endif\n" : "");
 	emit_lanes_call_bodies(e, p, out);
 }
 

@@ -54,31 +54,41 @@ static const char *vectors_text(const struct pass *p)
 	return plan_flops(plan_operations(&p->plan)) <= SHORT_FLOPS ? "RNEA_VECTORS " : "";
 }
 
-/* What the function of one sample does. */
+/* What the function of one sample does: the body itself where nothing else calls it. */
 static const char *one_call(const struct emission *e, const struct pass *p)
 {
 	const char *names = emit_params(e, p, PARAMS_NAMES), *what = emit_has_known(e) || p->segments.count ? "any" : "body";
+	const struct call body = {.indent = "\t", .arguments = names, .q = "q", .stride = "1", .is_any = 1};
 	const struct pass *lanes = emit_lanes_alone(p);
 	struct text t;
 
 	text_init(&t, e->arena);
 	if (lanes)
 		text_printf(&t, EMIT_IF_LANES "\t%s_%s_any(%s, 1);\n#else\n", e->options->name, lanes->algorithm->name, names);
-	text_printf(&t, "\t%s_%s_%s(%s, 1);\n", e->options->name, p->algorithm->name, what, names);
+	if (p->segments.count || emit_has_batches(e))
+		text_printf(&t, "\t%s_%s_%s(%s, 1);\n", e->options->name, p->algorithm->name, what, names);
+	else
+		text_put(&t, emit_call(e, p, &body));
 	text_put(&t, lanes ? "#endif\n" : "");
 	return text_string(&t);
 }
 
-/* One function for a sample, one for a part of a batch. */
+static void put_segments_one(const struct emission *e, const struct pass *p, const char *call_any, struct text *out)
+{
+	text_put(out, emit_lanes_instead(e, p) ? EMIT_UNLESS_LANES : "");
+	emit_segments_one(e, p, call_any, out);
+	text_put(out, emit_lanes_instead(e, p) ? "#endif\n" : "");
+}
+
+/* One function for a sample and, where there are batches, one for a part of a batch. */
 static void put_functions(const struct emission *e, const struct pass *p, struct text *out)
 {
 	const struct call any = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q",
 		.stride = "stride", .is_any = 1};
-	const struct call one = {.indent = "\t", .arguments = any.arguments, .q = "q", .stride = "1", .is_any = 1};
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
 		{"ARE_SMALL", are_small(e, p)}, {"CALL", one_call(e, p)},
-		{"CALL_ONE", emit_call(e, p, &one)}, {"CALL_ANY", emit_call(e, p, &any)}, {"UNKNOWN", emit_unknown_names(e)},
+		{"CALL_ANY", emit_call(e, p, &any)}, {"UNKNOWN", emit_unknown_names(e)},
 		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
 		{"VECTORS", vectors_text(p)}, {"UNUSED", is_soa(e) ? "" : "\t(void)count;"},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
@@ -87,15 +97,16 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 	};
 	size_t count = sizeof slots / sizeof *slots;
 
-	if (!emit_has_batches(e)) {
-		template_expand(out, template_function_only_in, slots, count);
-		return;
-	}
 	if (p->segments.count)
-		emit_segments_part(e, p, are_small(e, p), emit_call(e, p, &any), out);
-	else
+		put_segments_one(e, p, emit_call(e, p, &any), out);
+	if (emit_has_batches(e) && p->segments.count)
+		emit_segments_part(e, p, are_small(e, p), out);
+	else if (emit_has_batches(e))
 		template_expand(out, emit_has_known(e) ? template_part_accurate_in : template_part_in, slots, count);
 	emit_lanes_call(e, p, &any, out);
+	template_expand(out, template_function_one_in, slots, count);
+	if (!emit_has_batches(e))
+		return;
 	template_expand(out, template_slice_in, slots, count);
 	if (p == emit_main(e))
 		template_expand(out, template_batch_in, slots, count);

@@ -309,9 +309,10 @@ static void put_operations(const struct emission *e, struct text *out)
 				e->wide->arithmetic->name);
 	}
 	for (const struct pass *p = e->passes; p < e->passes + e->pass_count; p++)
-		if (p->segments.count && !p->many)
-			text_printf(out, " *   %s is in %d segments, each for several samples before the next; %d values go across cuts\n",
-				p->algorithm->name, p->segments.count, p->segments.slots[0] + p->segments.slots[1]);
+		if (p->segments.count && !p->many && (emit_has_batches(e) || !p->single))
+			text_printf(out, " *   %s is in %d segments%s; %d values go across cuts\n", p->algorithm->name, p->segments.count,
+				emit_has_batches(e) ? ", each for several samples before the next" : "",
+				p->segments.slots[0] + p->segments.slots[1]);
 	if (emit_main(e)->many)
 		put_many(emit_main(e)->many, out);
 	if (emit_main(e)->single)

@@ -183,22 +183,36 @@ static const struct pass *lanes_of(const struct pass *p)
 	return p->lanes_in_batches ? p->beside : NULL;
 }
 
+/* What a call of one sample runs. */
+static const struct pass *single_of(const struct pass *p)
+{
+	return p->single ? p->single : p;
+}
+
 void emit_segments(const struct emission *e, const struct pass *p, struct text *out)
 {
-	put_segments(e, many_of(p), out);
+	int has_own = p->single || !emit_has_batches(e);
+
+	if (emit_has_batches(e))
+		put_segments(e, many_of(p), out);
 	if (lanes_of(p)) {
 		text_put(out, EMIT_IF_LANES);
 		put_segments(e, lanes_of(p), out);
-		text_put(out, p->single ? "#else\n" : "");
+		text_put(out, has_own ? "#else\n" : "");
 	}
-	if (p->single)
-		put_segments(e, p->single, out);
+	if (has_own)
+		put_segments(e, single_of(p), out);
 	text_put(out, lanes_of(p) ? "#endif\n" : "");
 }
 
 const struct pass *emit_lanes_alone(const struct pass *p)
 {
 	return p->lanes_in_batches ? NULL : p->beside;
+}
+
+int emit_lanes_instead(const struct emission *e, const struct pass *p)
+{
+	return emit_lanes_alone(p) && !emit_has_batches(e);
 }
 
 void emit_lanes_call_bodies(const struct emission *e, const struct pass *p, struct text *out)
@@ -211,12 +225,6 @@ void emit_lanes_call_bodies(const struct emission *e, const struct pass *p, stru
 }
 
 /* ---- batches ---- */
-
-/* What a call of one sample runs. */
-static const struct pass *single_of(const struct pass *p)
-{
-	return p->single ? p->single : p;
-}
 
 static void put_lanes_function(const struct emission *e, const struct pass *p, int k, struct text *out)
 {
@@ -248,15 +256,24 @@ static void put_one_functions(const struct emission *e, const struct pass *p, st
 			put_one_function(e, p, k, out);
 }
 
-static const char *functions_text(const struct emission *e, const struct pass *p)
+static const char *many_functions(const struct emission *e, const struct pass *p)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int k = 0; k < many_of(p)->segments.count; k++)
-		if (!emit_is_loop(many_of(p), k))
-			put_lanes_function(e, many_of(p), k, &t);
-	emit_zeros_many(e, many_of(p), &t);
+	for (int k = 0; k < p->segments.count; k++)
+		if (!emit_is_loop(p, k))
+			put_lanes_function(e, p, k, &t);
+	emit_zeros_many(e, p, &t);
+	return text_string(&t);
+}
+
+/* Of one sample. */
+static const char *one_functions(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
 	if (lanes_of(p)) {
 		text_put(&t, EMIT_IF_LANES);
 		put_one_functions(e, lanes_of(p), &t);
@@ -351,20 +368,25 @@ static const char *and_small(const struct emission *e, const char *are_small)
 	return text_string(&t);
 }
 
-void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, const char *call_any,
-	struct text *out)
+void emit_segments_one(const struct emission *e, const struct pass *p, const char *call_any, struct text *out)
 {
-	int is_soa = e->options->layout == RNEAGEN_SOA;
-	const char *count_param = is_soa ? "size_t count, " : "";
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"KNOWN", emit_handed_on(e, emit_known_names(e))},
-		{"KNOWN_PARAM", emit_known_params(e)}, {"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""},
+		{"MANY", emit_has_batches(e) ? many_functions(e, many_of(p)) : ""}, {"FUNCTIONS", one_functions(e, p)},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)},
+		{"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""}, {"CALL_ANY", call_any}, {"ONE_BODY", one_body(e, p)}};
+
+	template_expand(out, template_segments_one_in, slots, sizeof slots / sizeof *slots);
+}
+
+void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, struct text *out)
+{
+	const struct segments *s = &many_of(p)->segments;
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
 		{"WHERE_SMALL", emit_has_known(e) ? " where their angles are small, which is the rule" : ""},
-		{"AND_SMALL", and_small(e, are_small)}, {"CALL_ANY", call_any}, {"COUNT_PARAM", count_param},
-		{"AT_SAMPLE", emit_at_sample(e, p)}, {"LANES", emit_int(e, emit_lanes(e, &many_of(p)->segments))},
-		{"FUNCTIONS", functions_text(e, p)}, {"CALLS", lanes_calls(e, many_of(p))}, {"ONE_BODY", one_body(e, p)},
-		{"DECLARATIONS", emit_across(e, &many_of(p)->segments, ACROSS_LANES)}};
+		{"AND_SMALL", and_small(e, are_small)}, {"COUNT_PARAM", e->options->layout == RNEAGEN_SOA ? "size_t count, " : ""},
+		{"AT_SAMPLE", emit_at_sample(e, p)}, {"LANES", emit_int(e, emit_lanes(e, s))},
+		{"CALLS", lanes_calls(e, many_of(p))}, {"DECLARATIONS", emit_across(e, s, ACROSS_LANES)}};
 
 	template_expand(out, template_part_segments_in, slots, sizeof slots / sizeof *slots);
 }
