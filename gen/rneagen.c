@@ -156,8 +156,7 @@ static enum rneagen_code parts_choose(struct generation *g)
 /* On a GPU the main kernel alone is long enough, and its grid may have parts instead. */
 static enum segment_use segment_use(const struct generation *g, int pass)
 {
-	const struct rneagen_options *o = &g->analysis.options;
-	const struct target_type *target = target_type_of(o->target);
+	const struct target_type *target = target_type_of(g->analysis.options.target);
 
 	if (target->kernel)
 		return pass == 0 && !g->part_count ? SEGMENT_KERNEL : SEGMENT_NONE;
@@ -171,7 +170,8 @@ static enum rneagen_code segments_make_all(struct generation *g)
 	for (int i = 0; i < function_count(g); i++)
 		if (!segments_choose(&g->passes[i], segment_use(g, i), &a->request, &a->options, a->arena))
 			return error_memory(a->error);
-	if (segment_use(g, 0) == SEGMENT_LOOPS && a->adjust.prune == 0 && !lanes_single(g->passes, &a->request, &a->options, a->arena))
+	if (!target_type_of(a->options.target)->kernel && a->adjust.prune == 0 &&
+		!lanes_single(g->passes, &a->request, &a->options, a->arena))
 		error_memory(a->error);
 	return a->error->code;
 }

@@ -55,10 +55,11 @@
  *   ..._wide         the same quantity of several limbs or coordinates side by side: lanes
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
- *   across step      values that one segment leaves for another; from one of them to the next
+ *   across wide_across step  values that one segment leaves for another; from one of them to the next
  *   first_... l      an array at the first of several samples in a row; which of them this is
  *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
+ *   RNEA_LANES RNEA_SPLAT RNEA_LANES_FMA  these numbers side by side; one in all lanes; a*b + c in each
  *   rneagen_...      functions and types that this text brings along
  * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
  * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the

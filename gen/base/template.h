@@ -37,7 +37,7 @@ extern const char template_kernel_tiles_in[], template_tiles_in[], template_tile
 	template_tiles_launch_in[];
 extern const char template_parts_apart_in[], template_launch_hands_in[], template_stage_rows_aos_in[], template_stage_join_in[];
 extern const char template_segment_in[], template_segment_lanes_in[], template_segment_one_in[], template_part_segments_in[];
-extern const char template_segments_one_in[];
+extern const char template_segments_one_in[], template_header_lanes_in[], template_header_lanes_end_in[];
 extern const char template_segment_columns_in[], template_segment_columns_row_in[], template_segment_columns_put_in[];
 extern const char template_kernel_solve_in[], template_kernel_columns_in[], template_launch_relay_in[];
 extern const char template_kernel_segments_in[], template_kernel_segment_in[], template_kernel_segments_rounds_in[];

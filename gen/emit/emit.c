@@ -273,16 +273,21 @@ static const char *lanes_need(const struct emission *e)
 	return p->dag.width == 4 && e->arithmetic->bytes == 8 && is_short ? "__AVX__" : "__SSE2__";
 }
 
-/* Vectors of 16 bytes at least: two floats fill one twice. */
+static int is_header(const struct emission *e)
+{
+	return e->target == &TARGET_HEADER;
+}
+
+/* Vectors of 16 bytes at least: two floats fill one twice. A header's are C++ too. */
 static void put_lanes(const struct emission *e, struct text *out)
 {
-	int is_f32 = e->arithmetic->bytes == 4, is_two = emit_main(e)->beside->dag.width == 2;
+	int is_f32 = e->arithmetic->bytes == 4, is_two = emit_main(e)->beside->dag.width == 2, is_cpp = is_header(e);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->arithmetic->type}, {"WIDTH", is_two ? "two" : "four"},
 		{"ROOM", is_two && !is_f32 ? "2" : "4"}, {"EACH", is_two ? "a, b" : "a, b, c, d"},
 		{"FILLED", !is_two ? "a, b, c, d" : is_f32 ? "a, b, a, b" : "a, b"}, {"SAME", is_two ? "a, a" : "a, a, a, a"},
 		{"NEEDS", lanes_need(e)}, {"SUFFIX", is_f32 ? "ps" : is_two ? "pd" : "pd256"}};
 
-	template_expand(out, template_lanes_in, slots, sizeof slots / sizeof *slots);
+	template_expand(out, is_cpp ? template_header_lanes_in : template_lanes_in, slots, sizeof slots / sizeof *slots);
 }
 
 static void put_bodies(const struct emission *e, struct text *out)
@@ -290,7 +295,7 @@ static void put_bodies(const struct emission *e, struct text *out)
 	int is_whole = emit_alone_is_whole(e);
 
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
-	text_put(out, emit_has_segments(e) ? template_independent_in : "");
+	text_put(out, emit_has_segments(e) && !is_header(e) ? template_independent_in : "");
 	if (e->lanes)
 		put_lanes(e, out);
 	if (emit_main(e)->single)
@@ -318,8 +323,6 @@ static void put_bodies(const struct emission *e, struct text *out)
 void emit_source(const struct emission *e, struct text *out)
 {
 	const struct pass *p = e->passes;
-	const struct call call = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q", .stride = "1",
-		.is_any = e->target->has_batches};
 	struct text kernels;
 	const char *rest;
 
@@ -331,6 +334,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"KNOWN_MACROS", emit_has_known(e) ? template_header_known_in : ""},
 		{"UNDEF_KNOWN", emit_has_known(e) ? "#undef RNEA_KNOWN\n" : ""},
 		{"UNDEF_STRICT", emit_undef_strict(e)}, {"UNDEF_WIDE", emit_undef_wide(e)},
+		{"UNDEF_LANES", e->lanes ? template_header_lanes_end_in : ""},
 		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)},
 		{"EACH", p->segments.count ? template_launch_segments_in : ""},
 		{"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"}, {"MIN_BLOCKS", emit_min_blocks(e)},
@@ -343,7 +347,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},
-		{"RNEA_CALL", emit_call(e, p, &call)}, {"FURTHER", further_text(e)}, {"SAMPLE", emit_what(e)},
+		{"RNEA_CALL", e->target->kernel ? "" : emit_one_call(e, p)}, {"LANES_HEADER", emit_lanes_header(e)}, {"FURTHER", further_text(e)}, {"SAMPLE", emit_what(e)},
 		{"PASS", p->algorithm->name}, {"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)},
 		{"DIMENSIONS", emit_dimensions(e)},
 	};

@@ -263,6 +263,9 @@ const struct pass *emit_lanes_alone(const struct pass *p);
 int emit_lanes_instead(const struct emission *e, const struct pass *p); /* of the pass's own, which no batch calls */
 void emit_lanes_call_bodies(const struct emission *e, const struct pass *p, struct text *out);
 void emit_lanes_call(const struct emission *e, const struct pass *p, const struct call *any, struct text *out);
+const char *emit_lanes_header(const struct emission *e); /* the same, of a header */
+/* What the function of one sample does. */
+const char *emit_one_call(const struct emission *e, const struct pass *p);
 
 /* The arrays of what goes across cuts, or the one that there is: as parameters; the same where compilers are to know that they
    overlap nothing; as those of a segment, for its first sample; their names; their declarations with room for a sample, or for some

@@ -55,10 +55,10 @@ static const char *vectors_text(const struct pass *p)
 }
 
 /* What the function of one sample does: the body itself where nothing else calls it. */
-static const char *one_call(const struct emission *e, const struct pass *p)
+const char *emit_one_call(const struct emission *e, const struct pass *p)
 {
 	const char *names = emit_params(e, p, PARAMS_NAMES), *what = emit_has_known(e) || p->segments.count ? "any" : "body";
-	const struct call body = {.indent = "\t", .arguments = names, .q = "q", .stride = "1", .is_any = 1};
+	const struct call body = {.indent = "\t", .arguments = names, .q = "q", .stride = "1", .is_any = e->target->has_batches};
 	const struct pass *lanes = emit_lanes_alone(p);
 	struct text t;
 
@@ -87,7 +87,7 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 		.stride = "stride", .is_any = 1};
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
-		{"ARE_SMALL", are_small(e, p)}, {"CALL", one_call(e, p)},
+		{"ARE_SMALL", are_small(e, p)}, {"CALL", emit_one_call(e, p)},
 		{"CALL_ANY", emit_call(e, p, &any)}, {"UNKNOWN", emit_unknown_names(e)},
 		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
 		{"VECTORS", vectors_text(p)}, {"UNUSED", is_soa(e) ? "" : "\t(void)count;"},
@@ -110,6 +110,18 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 	template_expand(out, template_slice_in, slots, count);
 	if (p == emit_main(e))
 		template_expand(out, template_batch_in, slots, count);
+}
+
+const char *emit_lanes_header(const struct emission *e)
+{
+	const struct pass *p = emit_main(e);
+	const struct call any = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q", .stride = "stride", .is_any = 1};
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (emit_lanes_instead(e, p))
+		emit_lanes_call(e, p, &any, &t);
+	return text_string(&t);
 }
 
 const char *emit_functions_c(const struct emission *e)

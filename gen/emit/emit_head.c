@@ -320,8 +320,9 @@ static void put_operations(const struct emission *e, struct text *out)
 			emit_main(e)->single->algorithm->name, emit_main(e)->single->segments.count, emit_main(e)->single->dag.loop_count);
 	if (emit_main(e)->beside)
 		text_printf(out, " *   With vectors of %d numbers a sample alone runs %s: %d segments in lanes; its last bits may not be\n"
-			" *   those of a batch. -DRNEA_NO_LANES leaves it out.\n",
-			emit_main(e)->beside->dag.width, emit_main(e)->beside->algorithm->name, emit_main(e)->beside->segments.count);
+			" *   those of %s. -DRNEA_NO_LANES leaves it out.\n",
+			emit_main(e)->beside->dag.width, emit_main(e)->beside->algorithm->name, emit_main(e)->beside->segments.count,
+			emit_has_batches(e) ? "a batch" : "a text without");
 	if (e->relay)
 		put_relay(e, out);
 	if (emit_hands(e))

@@ -187,7 +187,7 @@ static void put_functions(const struct emission *e, struct text *out)
 	if (emit_loops(e))
 		put_entry("each ..._each", "in a loop over limbs that are alike, which of them it is; an array where the limb's rows begin", out);
 	if (emit_has_segments(e))
-		put_entry("across step", "values that one segment leaves for another; from one of them to the next", out);
+		put_entry(e->lanes ? "across wide_across step" : "across step", "values that one segment leaves for another; from one of them to the next", out);
 	if (emit_has_segments(e))
 		put_entry("first_... l", "an array at the first of several samples in a row; which of them this is", out);
 	if (emit_main(e)->many)
@@ -207,6 +207,8 @@ static void put_functions(const struct emission *e, struct text *out)
 	}
 	if (emit_uses(e, OP_FMA) && e->numbers->calls[OP_MUL] == NULL)
 		put_entry("RNEA_FMA", "a*b + c, rounded once where the machine can", out);
+	if (e->lanes)
+		put_entry("RNEA_LANES RNEA_SPLAT RNEA_LANES_FMA", "these numbers side by side; one in all lanes; a*b + c in each", out);
 	if (e->wide && e->wide->calls[OP_MUL] == NULL && !e->options->strict)
 		put_entry("RNEA_WIDE_FMA", "the same in the residual's numbers", out);
 	if (e->options->strict)

@@ -353,6 +353,7 @@ void emit_lanes_call(const struct emission *e, const struct pass *of, const stru
 	put_one_body(e, p, &body);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"CALL_ANY", emit_call(e, p, any)},
+		{"INLINE", e->target->has_batches ? "" : "inline "},
 		{"FUNCTIONS", text_string(&functions)}, {"ONE_BODY", text_string(&body)}};
 
 	template_expand(out, template_lanes_call_in, slots, sizeof slots / sizeof *slots);

@@ -178,6 +178,17 @@ static int is_argument(const char *name, const char *parameters)
 	return strstr(parameters, plain) || strstr(parameters, first);
 }
 
+/* f9y_wide_2: f9y_2 of several limbs or coordinates. */
+static const char *without_wide(const struct legend *l, const char *name, char *narrow, size_t size)
+{
+	const char *suffix = strstr(name, "_wide");
+
+	if (!suffix || (suffix[5] && suffix[5] != '_') || !has_word(l, "..._wide"))
+		return name;
+	snprintf(narrow, size, "%.*s%s", (int)(suffix - name), name, suffix + 5);
+	return narrow;
+}
+
 /* w3x_2: a quantity of the legend, digits, a component, and a number where it comes again. */
 static int is_explained(const struct legend *l, const char *name, const char *parameters)
 {
@@ -212,7 +223,7 @@ static int is_explained(const struct legend *l, const char *name, const char *pa
 static void check_names(const struct legend *l, const char *body, const char *end, const char *parameters, const char *what)
 {
 	for (const char *s = body; s < end;) {
-		char name[WORD * 2];
+		char name[WORD * 2], narrow[WORD * 2];
 		size_t length;
 
 		if (!strncmp(s, "/*", 2)) {
@@ -227,7 +238,7 @@ static void check_names(const struct legend *l, const char *body, const char *en
 		} else if (isalpha((unsigned char)*s) || *s == '_') {
 			length = strspn(s, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789");
 			snprintf(name, sizeof name, "%.*s", (int)length, s);
-			ck_assert_msg(is_explained(l, name, parameters), "%s: the legend does not explain '%s'", what, name);
+			ck_assert_msg(is_explained(l, without_wide(l, name, narrow, sizeof narrow), parameters), "%s: the legend does not explain '%s'", what, name);
 			s += length;
 		} else {
 			s++;

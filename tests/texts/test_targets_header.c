@@ -109,11 +109,12 @@ static void write_users(struct target *t, int count, const struct language *l, s
 	}
 }
 
-static void *build(struct target *t, int count, const struct language *l)
+/* With lanes, or without, where the bits are those of the text's DAG. */
+static void *build(struct target *t, int count, const struct language *l, int has_lanes)
 {
 	struct target_path sources[2], library = target_path("header_all", ".so");
 	const char *const argv[] = {l->command, l->standard, WARNING_FLAGS, "-Wshadow", l->level, "-fPIC", "-shared",
-		"-o", library.s, sources[0].s, sources[1].s, NULL};
+		has_lanes ? "-DWITH_LANES" : "-DRNEA_NO_LANES", "-o", library.s, sources[0].s, sources[1].s, NULL};
 	void *handle;
 
 	write_users(t, count, l, sources);
@@ -149,12 +150,12 @@ static void check_rows(const struct target *t, void *handle, const struct model 
 	ck_assert_int_eq(nv, m->tree.nv);
 }
 
-static void check_header(const struct header *h, struct target *t, void *handle, struct worst *worst)
+static void check_header(const struct header *h, struct target *t, void *handle, int has_lanes, struct worst *worst)
 {
 	struct rneagen_options o = options_of(h, RNEAGEN_TARGET_HEADER);
 	struct states states;
 	struct model m;
-	struct check c = {.target = t, .model = &m, .states = &states, .exact = 1, .worst = worst};
+	struct check c = {.target = t, .model = &m, .states = &states, .exact = !has_lanes, .worst = worst};
 	size_t length;
 	char *urdf = target_robot(h->robot, &length);
 
@@ -171,14 +172,28 @@ static void check_header(const struct header *h, struct target *t, void *handle,
 	free(urdf);
 }
 
+static void check_headers(const struct header *const *of, struct target *t, int count, const struct language *l, int has_lanes)
+{
+	void *handle = build(t, count, l, has_lanes);
+	struct worst worst[2] = {0};
+
+	for (int i = 0; i < count; i++)
+		check_header(of[i], &t[i], handle, has_lanes, &worst[t[i].f32]);
+	dlclose(handle);
+	for (int f32 = 0; f32 < 2; f32++) {
+		char what[64];
+
+		snprintf(what, sizeof what, "header %s %s %s%s", l->command, l->standard, f32 ? "f32" : "f64", has_lanes ? ", lanes" : "");
+		worst_report(&worst[f32], what);
+	}
+}
+
 START_TEST(headers_together)
 {
 	const struct language *l = &LANGUAGES[_i];
 	struct target t[HEADER_COUNT];
-	struct worst worst[2] = {0};
 	const struct header *of[HEADER_COUNT];
 	int all = _i % 3 == 0 || exhaustive(), count = 0;
-	void *handle;
 
 	if (!process_exists(l->command)) {
 		printf("skipped: no %s\n", l->command);
@@ -191,18 +206,10 @@ START_TEST(headers_together)
 		generate(of[i], RNEAGEN_TARGET_HEADER, &t[i]);
 		target_write(target_path(of[i]->name, ".h"), t[i].text.source);
 	}
-	handle = build(t, count, l);
-	for (int i = 0; i < count; i++) {
-		check_header(of[i], &t[i], handle, &worst[t[i].f32]);
+	for (int has_lanes = 0; has_lanes < 2; has_lanes++)
+		check_headers(of, t, count, l, has_lanes);
+	for (int i = 0; i < count; i++)
 		rneagen_result_free(&t[i].text);
-	}
-	dlclose(handle);
-	for (int f32 = 0; f32 < 2; f32++) {
-		char what[64];
-
-		snprintf(what, sizeof what, "header %s %s %s", l->command, l->standard, f32 ? "f32" : "f64");
-		worst_report(&worst[f32], what);
-	}
 }
 END_TEST
 
