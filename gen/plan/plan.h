@@ -45,6 +45,7 @@ struct limbs {
 	int alive;          /* values that a warp has at once at most */
 	struct angles first; /* whose sines all threads make before the first phase, by their rows; none: a warp makes those that it takes */
 	unsigned longest, whole; /* operations of the longest warp, the phases after each other, and of the whole plan */
+	unsigned sum;       /* of all warps */
 	/* of the kernel, whose passes have the same */
 	int words;      /* of a sample in shared memory: what goes across, and then sines that are made first */
 	int groups;     /* of 32 samples, in a block at most */

@@ -163,6 +163,15 @@ static unsigned longest_load(const struct dealer *x)
 	return longest;
 }
 
+static unsigned all_loads(const struct dealer *x)
+{
+	unsigned sum = 0;
+
+	for (int w = 0; w < x->warps; w++)
+		sum += x->load[w];
+	return sum;
+}
+
 static uint32_t lines_left(const struct dealer *x)
 {
 	uint32_t left = 0;
@@ -190,13 +199,14 @@ unsigned deal_sines_most(const struct dealer *x, int warps)
 unsigned deal_run(struct dealer *x, const struct deal *deal, unsigned enough)
 {
 	x->warps = deal->warps;
-	x->longest = 0;
+	x->longest = x->sum = 0;
 	memset(x->own, 0, x->lines * sizeof *x->own);
 	memset(x->made, 0, x->lines);
 	memset(x->did, 0, (size_t)x->warps * x->lines);
 	for (x->phase = 0; x->phase < MOST_PHASES; x->phase++) {
 		run_phase(x, deal->most[x->phase], deal->has_sines && !x->phase);
 		x->longest += longest_load(x) + (x->phase ? x->limits->join : 0);
+		x->sum += all_loads(x);
 		x->phases = x->phase + 1;
 		if (x->longest >= enough)
 			return TOO_MUCH;

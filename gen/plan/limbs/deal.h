@@ -39,7 +39,7 @@ struct dealer {
 	unsigned load[MOST_WARPS];
 	int warps, phase;
 	/* what a deal comes to */
-	unsigned longest;
+	unsigned longest, sum; /* operations of the longest warp, and of all */
 	int phases;
 };
 

@@ -8,7 +8,22 @@
    tau of g1_brainco 4.4 and 6.4, in f64 11.4 and 8.9, with the vjp of jvrc1 9.4 and 8.5, in f64 15.2 and 9.6. Arms gain nothing:
    iiwa14 1.42 and 1.50. Functions of more operations were not measured: it takes seconds to share them out, and more values than there are
    registers wait in each warp. */
-enum { LEAST_OPERATIONS = 800, MOST_OPERATIONS = 10000, WARPS = 4, MORE_WARPS = 8, LONG_WARP = 2000, LONG_WARP_F64 = 1900 };
+enum { LEAST_OPERATIONS = 800, MOST_OPERATIONS = 10000, WARPS = 4, FEWER_WARPS = 3, FEWER_PERCENT = 90,
+	MORE_WARPS = 8 };
+
+/* More warps are more code, since several make the same values; and what one multiprocessor has no room for is fetched each time, an
+   instruction in 1.3 cycles for all its warps together. So the number of warps is that of the least cost, in operations: those of the
+   longest warp, a share of those that all warps have beyond `room`, and some for each value that a warp has at once beyond `values`,
+   which then waits in memory; `least` is what an empty kernel takes, and waiting. Fitted to 210 times of 78 texts with 3, 4 and 8 warps,
+   in f32 and f64, of one sample (weight 0.7), 256 and 1024 (H100). Eight where four have more than 2000 operations, and four else, was
+   the rule before: of 28 texts that changed, one sample takes 0.85 of the time, 256 0.87, 1024 0.82. One sample by three warps, four and
+   eight, us: qdd of floating baxter 4.3 7.3 8.2; tau with the vjp of floating pr2 5.6 7.4 7.6; in f64 qdd of floating hyq 4.2 6.0 7.2, of
+   floating anymal_kinova 6.0 10.2 10.5, of atlas 7.0 10.3 9.0; but tau with the vjp of romeo 9.1 9.6 7.4, of shadow_hand_right 5.8 5.6
+   3.5. At worst it errs by a fifth: qdd of g1_29dof in f64 takes 11.0 with four instead of 9.3 with eight. Where all code has room four
+   are best: eight take 0.9 to 1.05 of the time for one sample, and 1.15 for 1024. */
+static const struct code_limits {
+	unsigned least, room, percent, values, for_spilled;
+} CODE[] = {{4560, 5000, 172, 214, 26}, {1670, 3870, 65, 171, 49}};
 
 /* A sample of N operations takes 0.5 + 0.0015 N us, with warps of N operations 0.9 + 0.0015 N: their kernel starts so
    many operations later, and is to take nine tenths of the time. */
@@ -191,13 +206,39 @@ static int can_have(struct pass *const *passes, int count, const struct rneagen_
 	return 1;
 }
 
+/* What code beyond the cache's room and values beyond the registers' take, in operations. */
+static unsigned limbs_excess(const struct limbs *s, const struct code_limits *x)
+{
+	unsigned alive = (unsigned)s->alive, spilled = alive > x->values ? alive - x->values : 0;
+
+	return spilled * x->for_spilled + (s->sum > x->room ? (s->sum - x->room) * x->percent / 100 : 0);
+}
+
+static unsigned limbs_cost(const struct limbs *s, const struct code_limits *x)
+{
+	return x->least + s->longest + limbs_excess(s, x);
+}
+
+/* Another number of warps, where that takes less than so much of the time. */
+static void try_warps(struct pass *p, int warps, unsigned percent, const struct rneagen_options *o, struct arena *a)
+{
+	const struct code_limits *x = &CODE[number_bytes(o) == 8];
+	struct limbs kept = p->limbs;
+
+	if (!make_all(&p, 1, warps, o, a) || 100 * limbs_cost(&p->limbs, x) > percent * limbs_cost(&kept, x))
+		p->limbs = kept;
+}
+
 /* As many warps as are best, or none. */
 static void choose_warps(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a)
 {
 	unsigned longest = make_all(passes, count, WARPS, o, a), whole = longest_pass(passes, count);
 
-	if (longest > (number_bytes(o) == 8 && passes[0]->limbs.first.count ? LONG_WARP_F64 : LONG_WARP) && count == 1)
-		longest = make_all(passes, count, MORE_WARPS, o, a);
+	if (longest && count == 1 && limbs_excess(&passes[0]->limbs, &CODE[number_bytes(o) == 8])) {
+		try_warps(passes[0], MORE_WARPS, 100, o, a);
+		try_warps(passes[0], FEWER_WARPS, FEWER_PERCENT, o, a);
+		longest = passes[0]->limbs.longest;
+	}
 	if (10 * (longest + START + LATER) > 9 * (whole + START))
 		take_none(passes, count);
 }

@@ -139,6 +139,7 @@ int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits 
 	if (!best.warps || 10 * (double)least > 9 * (double)whole)
 		return 1;
 	deal_run(&x, &best, TOO_MUCH);
+	s->sum = x.sum;
 	deal_plans(&x, s);
 	place_table(s);
 	for (int w = 0; w < s->warps; w++) {
