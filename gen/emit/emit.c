@@ -347,7 +347,8 @@ void emit_source(const struct emission *e, struct text *out)
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},
-		{"RNEA_CALL", e->target->kernel ? "" : emit_one_call(e, p)}, {"LANES_HEADER", emit_lanes_header(e)}, {"FURTHER", further_text(e)}, {"SAMPLE", emit_what(e)},
+		{"RNEA_CALL", e->target->kernel ? "" : emit_one_call(e, p)}, {"LANES_HEADER", emit_lanes_header(e)},
+		{"FURTHER", further_text(e)}, {"SAMPLE", emit_what(e)},
 		{"PASS", p->algorithm->name}, {"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)},
 		{"DIMENSIONS", emit_dimensions(e)},
 	};

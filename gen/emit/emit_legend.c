@@ -187,7 +187,8 @@ static void put_functions(const struct emission *e, struct text *out)
 	if (emit_loops(e))
 		put_entry("each ..._each", "in a loop over limbs that are alike, which of them it is; an array where the limb's rows begin", out);
 	if (emit_has_segments(e))
-		put_entry(e->lanes ? "across wide_across step" : "across step", "values that one segment leaves for another; from one of them to the next", out);
+		put_entry(e->lanes ? "across wide_across step" : "across step",
+			"values that one segment leaves for another; from one of them to the next", out);
 	if (emit_has_segments(e))
 		put_entry("first_... l", "an array at the first of several samples in a row; which of them this is", out);
 	if (emit_main(e)->many)

@@ -256,6 +256,7 @@ static void put_one_functions(const struct emission *e, const struct pass *p, st
 			put_one_function(e, p, k, out);
 }
 
+/* Of batches. */
 static const char *many_functions(const struct emission *e, const struct pass *p)
 {
 	struct text t;

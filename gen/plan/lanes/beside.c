@@ -92,7 +92,7 @@ static const char *name_of(const struct pass *p, struct arena *a)
 }
 
 /* A header has no functions for loops over columns. */
-static int has_room(const struct pass *s, const struct rneagen_options *o)
+static int has_place(const struct pass *s, const struct rneagen_options *o)
 {
 	return o->target != RNEAGEN_TARGET_HEADER || !s->dag.loop_count;
 }
@@ -108,7 +108,7 @@ static int make_beside(struct pass *p, const struct request *k, const struct rne
 
 		if (!segments_once_more(&s, p, builds[i], name, k, o, a))
 			return 0;
-		if (s && has_room(s, o) && !loops_read_lanes(s) && is_worth_it(s, other_than(p)) &&
+		if (s && has_place(s, o) && !loops_read_lanes(s) && is_worth_it(s, other_than(p)) &&
 			(!p->beside || count_operations(s) < count_operations(p->beside)))
 			p->beside = s;
 	}
