@@ -281,13 +281,15 @@ static int is_header(const struct emission *e)
 /* Vectors of 16 bytes at least: two floats fill one twice. A header's are C++ too. */
 static void put_lanes(const struct emission *e, struct text *out)
 {
-	int is_f32 = e->arithmetic->bytes == 4, is_two = emit_main(e)->beside->dag.width == 2, is_cpp = is_header(e);
+	int is_f32 = e->arithmetic->bytes == 4, is_two = emit_main(e)->beside->dag.width == 2;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->arithmetic->type}, {"WIDTH", is_two ? "two" : "four"},
 		{"ROOM", is_two && !is_f32 ? "2" : "4"}, {"EACH", is_two ? "a, b" : "a, b, c, d"},
 		{"FILLED", !is_two ? "a, b, c, d" : is_f32 ? "a, b, a, b" : "a, b"}, {"SAME", is_two ? "a, a" : "a, a, a, a"},
 		{"NEEDS", lanes_need(e)}, {"SUFFIX", is_f32 ? "ps" : is_two ? "pd" : "pd256"}};
 
-	template_expand(out, is_cpp ? template_header_lanes_in : template_lanes_in, slots, sizeof slots / sizeof *slots);
+	template_expand(out, template_lanes_in, slots, sizeof slots / sizeof *slots);
+	if (is_header(e))
+		template_expand(out, template_header_lanes_in, slots, sizeof slots / sizeof *slots);
 }
 
 static void put_bodies(const struct emission *e, struct text *out)
@@ -320,6 +322,17 @@ static void put_bodies(const struct emission *e, struct text *out)
 	text_put(out, emit_has_limbs(e) ? "#endif\n" : "");
 }
 
+/* Of a header: those of target C stand among its functions. */
+static const char *lanes_call(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (is_header(e))
+		emit_lanes_call(e, emit_main(e), &t);
+	return text_string(&t);
+}
+
 void emit_source(const struct emission *e, struct text *out)
 {
 	const struct pass *p = e->passes;
@@ -347,7 +360,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},
-		{"RNEA_CALL", e->target->kernel ? "" : emit_one_call(e, p)}, {"LANES_HEADER", emit_lanes_header(e)},
+		{"RNEA_CALL", is_header(e) ? emit_one_call(e, p) : ""}, {"LANES_CALL", lanes_call(e)},
 		{"FURTHER", further_text(e)}, {"SAMPLE", emit_what(e)},
 		{"PASS", p->algorithm->name}, {"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)},
 		{"DIMENSIONS", emit_dimensions(e)},

@@ -251,19 +251,17 @@ void emit_unused(const struct emission *e, const struct plan *p, const char *pre
 int emit_has_segments(const struct emission *e);
 /* A pass in segments: the body of each; target C: the functions of a sample and of a part of a batch; CUDA: its kernel. */
 void emit_segments(const struct emission *e, const struct pass *p, struct text *out);
-void emit_segments_one(const struct emission *e, const struct pass *p, const char *call_any, struct text *out);
+void emit_segments_one(const struct emission *e, const struct pass *p, struct text *out);
 void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, struct text *out);
 
 /* What a call of one sample runs in lanes, and a batch does not; NULL: there is nothing. Its bodies, and the function, of a pass
    that has such or has not. */
-struct call;
 #define EMIT_IF_LANES "#if defined RNEA_LANES\n"
 #define EMIT_UNLESS_LANES "#if !defined RNEA_LANES\n"
 const struct pass *emit_lanes_alone(const struct pass *p);
 int emit_lanes_instead(const struct emission *e, const struct pass *p); /* of the pass's own, which no batch calls */
 void emit_lanes_call_bodies(const struct emission *e, const struct pass *p, struct text *out);
-void emit_lanes_call(const struct emission *e, const struct pass *p, const struct call *any, struct text *out);
-const char *emit_lanes_header(const struct emission *e); /* the same, of a header */
+void emit_lanes_call(const struct emission *e, const struct pass *p, struct text *out);
 /* What the function of one sample does. */
 const char *emit_one_call(const struct emission *e, const struct pass *p);
 
@@ -459,6 +457,7 @@ struct call {
 
 /* The call, and what comes before and after it so that the results are right whatever the angles. */
 const char *emit_call(const struct emission *e, const struct pass *p, const struct call *c);
+const char *emit_call_any(const struct emission *e, const struct pass *p); /* of a sample in a batch, whatever its angles */
 
 /* What the main function computes: its algorithm's formula, or in words where a scene asks for other arrays. */
 const char *emit_what(const struct emission *e);

@@ -314,6 +314,14 @@ const char *emit_call(const struct emission *e, const struct pass *p, const stru
 	return call_expanded(e, p, template_call_known_in, text_string(&asked), c);
 }
 
+const char *emit_call_any(const struct emission *e, const struct pass *p)
+{
+	const struct call any = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q",
+		.stride = "stride", .is_any = 1};
+
+	return emit_call(e, p, &any);
+}
+
 const char *emit_known_tables(const struct emission *e, const struct pass *p)
 {
 	return tables_text(e, p, "known, ");

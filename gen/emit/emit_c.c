@@ -73,22 +73,13 @@ const char *emit_one_call(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-static void put_segments_one(const struct emission *e, const struct pass *p, const char *call_any, struct text *out)
-{
-	text_put(out, emit_lanes_instead(e, p) ? EMIT_UNLESS_LANES : "");
-	emit_segments_one(e, p, call_any, out);
-	text_put(out, emit_lanes_instead(e, p) ? "#endif\n" : "");
-}
-
 /* One function for a sample and, where there are batches, one for a part of a batch. */
 static void put_functions(const struct emission *e, const struct pass *p, struct text *out)
 {
-	const struct call any = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q",
-		.stride = "stride", .is_any = 1};
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
 		{"ARE_SMALL", are_small(e, p)}, {"CALL", emit_one_call(e, p)},
-		{"CALL_ANY", emit_call(e, p, &any)}, {"UNKNOWN", emit_unknown_names(e)},
+		{"CALL_ANY", emit_call_any(e, p)}, {"UNKNOWN", emit_unknown_names(e)},
 		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
 		{"VECTORS", vectors_text(p)}, {"UNUSED", is_soa(e) ? "" : "\t(void)count;"},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
@@ -98,30 +89,18 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 	size_t count = sizeof slots / sizeof *slots;
 
 	if (p->segments.count)
-		put_segments_one(e, p, emit_call(e, p, &any), out);
+		emit_segments_one(e, p, out);
 	if (emit_has_batches(e) && p->segments.count)
 		emit_segments_part(e, p, are_small(e, p), out);
 	else if (emit_has_batches(e))
 		template_expand(out, emit_has_known(e) ? template_part_accurate_in : template_part_in, slots, count);
-	emit_lanes_call(e, p, &any, out);
+	emit_lanes_call(e, p, out);
 	template_expand(out, template_function_one_in, slots, count);
 	if (!emit_has_batches(e))
 		return;
 	template_expand(out, template_slice_in, slots, count);
 	if (p == emit_main(e))
 		template_expand(out, template_batch_in, slots, count);
-}
-
-const char *emit_lanes_header(const struct emission *e)
-{
-	const struct pass *p = emit_main(e);
-	const struct call any = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q", .stride = "stride", .is_any = 1};
-	struct text t;
-
-	text_init(&t, e->arena);
-	if (emit_lanes_instead(e, p))
-		emit_lanes_call(e, p, &any, &t);
-	return text_string(&t);
 }
 
 const char *emit_functions_c(const struct emission *e)

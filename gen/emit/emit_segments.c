@@ -341,7 +341,7 @@ static const char *one_body(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-void emit_lanes_call(const struct emission *e, const struct pass *of, const struct call *any, struct text *out)
+void emit_lanes_call(const struct emission *e, const struct pass *of, struct text *out)
 {
 	const struct pass *p = emit_lanes_alone(of);
 	struct text functions, body;
@@ -353,7 +353,7 @@ void emit_lanes_call(const struct emission *e, const struct pass *of, const stru
 	put_one_functions(e, p, &functions);
 	put_one_body(e, p, &body);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"CALL_ANY", emit_call(e, p, any)},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"CALL_ANY", emit_call_any(e, p)},
 		{"INLINE", e->target->has_batches ? "" : "inline "},
 		{"FUNCTIONS", text_string(&functions)}, {"ONE_BODY", text_string(&body)}};
 
@@ -370,14 +370,17 @@ static const char *and_small(const struct emission *e, const char *are_small)
 	return text_string(&t);
 }
 
-void emit_segments_one(const struct emission *e, const struct pass *p, const char *call_any, struct text *out)
+void emit_segments_one(const struct emission *e, const struct pass *p, struct text *out)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
 		{"MANY", emit_has_batches(e) ? many_functions(e, many_of(p)) : ""}, {"FUNCTIONS", one_functions(e, p)},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)},
-		{"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""}, {"CALL_ANY", call_any}, {"ONE_BODY", one_body(e, p)}};
+		{"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""}, {"CALL_ANY", emit_call_any(e, p)},
+		{"ONE_BODY", one_body(e, p)}};
 
+	text_put(out, emit_lanes_instead(e, p) ? EMIT_UNLESS_LANES : "");
 	template_expand(out, template_segments_one_in, slots, sizeof slots / sizeof *slots);
+	text_put(out, emit_lanes_instead(e, p) ? "#endif\n" : "");
 }
 
 void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, struct text *out)

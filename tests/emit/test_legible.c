@@ -238,7 +238,8 @@ static void check_names(const struct legend *l, const char *body, const char *en
 		} else if (isalpha((unsigned char)*s) || *s == '_') {
 			length = strspn(s, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789");
 			snprintf(name, sizeof name, "%.*s", (int)length, s);
-			ck_assert_msg(is_explained(l, without_wide(l, name, narrow, sizeof narrow), parameters), "%s: the legend does not explain '%s'", what, name);
+			ck_assert_msg(is_explained(l, without_wide(l, name, narrow, sizeof narrow), parameters),
+				"%s: the legend does not explain '%s'", what, name);
 			s += length;
 		} else {
 			s++;

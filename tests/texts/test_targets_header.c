@@ -114,7 +114,7 @@ static void *build(struct target *t, int count, const struct language *l, int ha
 {
 	struct target_path sources[2], library = target_path("header_all", ".so");
 	const char *const argv[] = {l->command, l->standard, WARNING_FLAGS, "-Wshadow", l->level, "-fPIC", "-shared",
-		has_lanes ? "-DWITH_LANES" : "-DRNEA_NO_LANES", "-o", library.s, sources[0].s, sources[1].s, NULL};
+		has_lanes ? "-URNEA_NO_LANES" : "-DRNEA_NO_LANES", "-o", library.s, sources[0].s, sources[1].s, NULL};
 	void *handle;
 
 	write_users(t, count, l, sources);

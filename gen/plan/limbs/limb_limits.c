@@ -219,10 +219,15 @@ static unsigned limbs_cost(const struct limbs *s, const struct code_limits *x)
 	return x->least + s->longest + limbs_excess(s, x);
 }
 
+static const struct code_limits *code_limits(const struct rneagen_options *o)
+{
+	return &CODE[number_bytes(o) == 8];
+}
+
 /* Another number of warps, where that takes less than so much of the time. */
 static void try_warps(struct pass *p, int warps, unsigned percent, const struct rneagen_options *o, struct arena *a)
 {
-	const struct code_limits *x = &CODE[number_bytes(o) == 8];
+	const struct code_limits *x = code_limits(o);
 	struct limbs kept = p->limbs;
 
 	if (!make_all(&p, 1, warps, o, a) || 100 * limbs_cost(&p->limbs, x) > percent * limbs_cost(&kept, x))
@@ -234,7 +239,7 @@ static void choose_warps(struct pass *const *passes, int count, const struct rne
 {
 	unsigned longest = make_all(passes, count, WARPS, o, a), whole = longest_pass(passes, count);
 
-	if (longest && count == 1 && limbs_excess(&passes[0]->limbs, &CODE[number_bytes(o) == 8])) {
+	if (longest && count == 1 && limbs_excess(&passes[0]->limbs, code_limits(o))) {
 		try_warps(passes[0], MORE_WARPS, 100, o, a);
 		try_warps(passes[0], FEWER_WARPS, FEWER_PERCENT, o, a);
 		longest = passes[0]->limbs.longest;
