@@ -58,6 +58,7 @@ extern const char template_kernel_again_in[], template_call_known_in[], template
 extern const char template_columns_in[], template_segment_columns_c_in[], template_lanes_in[], template_lanes_call_in[];
 extern const char template_each_in[], template_each_numbers_in[], template_numbers_in[];
 extern const char template_segment_columns_many_in[], template_segment_zeros_in[];
+extern const char template_way_back_in[], template_way_back_start_in[];
 extern const char template_sines_in[], template_sines_bytes_in[], template_header_known_in[];
 extern const char template_patterns_c_in[], template_patterns_cu_in[], template_arithmetic_strict_header_in[];
 extern const char template_sincos_pair_accurate_in[], template_sincos_pair_bounded_in[], template_sincos_pair_known_in[];

@@ -22,6 +22,8 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 	memcpy(out->arguments + DAG_COLUMN, d->arguments + DAG_COLUMN, DAG_LOOPS * sizeof *d->arguments);
 	memcpy(out->runs, d->runs, sizeof out->runs);
 	memcpy(out->rooms, d->rooms, sizeof out->rooms);
+	memcpy(out->puts, d->puts, sizeof out->puts);
+	out->put_count = d->put_count;
 	out->run_count = d->run_count;
 	out->width = d->width;
 	out->is_each = d->is_each;

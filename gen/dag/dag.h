@@ -44,7 +44,7 @@ struct dag_lanes {
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
 	SECTION_BY, SECTION_PRODUCTS, SECTION_FACTORS, SECTION_ARTICULATED, SECTION_INVERSE, SECTION_RESIDUAL,
 	SECTION_REFINED, SECTION_BOUND, SECTION_REGRESSOR, SECTION_PLACE, SECTION_JACOBIAN, SECTION_RATE, SECTION_SUBTREE,
-	SECTION_CENTROID, SECTION_FACTORED, SECTION_OPSPACE, SECTION_SWEEPS, SECTION_ROWS, SECTION_COLUMNS,
+	SECTION_CENTROID, SECTION_FACTORED, SECTION_OPSPACE, SECTION_SWEEPS, SECTION_ROWS, SECTION_COLUMNS, SECTION_WAY,
 	SECTION_COUNT };
 
 /* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
@@ -83,6 +83,15 @@ struct column_run {
    for so many columns each; and from one row to the next in the output. No room: they stand in the output itself. */
 struct column_room {
 	int argument, first, rows, room, pitch;
+	int is_batch; /* they stand one after the other, with `room` rows each, and are of several samples */
+	int columns, own; /* of coordinates on their way back to the base: how many, and those that set out here; else 0, and runs tell */
+	int body;         /* that these leave */
+};
+
+/* Row `row` of a loop's array, put into an output when the loop has run: side by side from element `first` on; or `is_down`, each
+   into the row of the matrix that is its coordinate's, `first` elements from where that row begins. */
+struct column_put {
+	int loop, row, argument, first, is_down;
 };
 
 /* A row has room for a multiple of so many. */
@@ -91,7 +100,7 @@ enum { DAG_COLUMNS_UNIT = 8 };
 /* Readings of inputs are those of a loop over limbs from its number times this on. */
 enum { DAG_EACH = 1 << 16 };
 
-enum { DAG_RUNS = 256, DAG_LOOPS = 64 };
+enum { DAG_RUNS = 256, DAG_LOOPS = 128, DAG_PUTS = 640 };
 
 struct dag {
 	struct arena *arena;
@@ -113,7 +122,8 @@ struct dag {
 	size_t section_count, section_capacity;
 	struct column_run runs[DAG_RUNS];
 	struct column_room rooms[DAG_LOOPS];
-	int run_count, loop_count;
+	struct column_put puts[DAG_PUTS];
+	int run_count, loop_count, put_count;
 	int is_wide;  /* while it is set, inputs are widened where they are read, and constants are wide */
 	size_t limit; /* nodes; 0: as many as memory holds */
 	int failed;   /* sticky: out of memory, an argument, a node or a run too many, a matrix that cannot be solved */
@@ -156,8 +166,20 @@ int dag_argument_of(struct dag *d, struct argument a);
 int dag_loop(struct dag *d, const struct column_room *room);
 void dag_loop_over(struct dag *d, int argument, int first);
 
+/* Is a section a loop? */
+static inline int dag_section_loops(const struct section *s)
+{
+	return s->kind == SECTION_COLUMNS || s->kind == SECTION_WAY;
+}
+
 /* How many columns a loop goes over. */
 int dag_loop_columns(const struct dag *d, int loop);
+
+/* Put a row of the last loop's array into an output, when it has run. */
+void dag_loop_put(struct dag *d, const struct column_put *put);
+
+/* Are there loops, of coordinates on their way back to the base? */
+int dag_loops_go_back(const struct dag *d);
 
 /* Are there loops, of columns that stand in their outputs? */
 int dag_loops_in_place(const struct dag *d);

@@ -1,13 +1,16 @@
-/* Loops over columns of outputs: what is made of DAG_COLUMN runs once for each. */
+/* Loops over columns of outputs, or over coordinates: what is made of DAG_COLUMN runs once for each. */
 #include "dag/dag.h"
 
 int dag_loop(struct dag *d, const struct column_room *room)
 {
 	if (d->loop_count == DAG_LOOPS)
 		return -1;
-	dag_section(d, SECTION_COLUMNS, 0);
+	if (room && room->columns)
+		dag_section(d, SECTION_WAY, room->body);
+	else
+		dag_section(d, SECTION_COLUMNS, 0);
 	d->arguments[DAG_COLUMN + d->loop_count] =
-		(struct argument){.name = "column", .is_output = 1, .per_batch = room != NULL, .role = ROLE_UNKNOWN, .of = ""};
+		(struct argument){.name = "column", .is_output = 1, .per_batch = room && !room->is_batch, .role = ROLE_UNKNOWN, .of = ""};
 	if (room)
 		d->rooms[d->loop_count] = *room;
 	return d->loop_count++;
@@ -28,11 +31,26 @@ void dag_loop_over(struct dag *d, int argument, int first)
 
 int dag_loop_columns(const struct dag *d, int loop)
 {
-	int count = 0;
+	int count = d->rooms[loop].columns;
 
 	for (int i = 0; i < d->run_count; i++)
 		count += d->runs[i].loop == loop ? d->runs[i].count : 0;
 	return count;
+}
+
+void dag_loop_put(struct dag *d, const struct column_put *put)
+{
+	if (d->put_count == DAG_PUTS) {
+		d->failed = 1;
+		return;
+	}
+	d->puts[d->put_count] = *put;
+	d->puts[d->put_count++].loop = d->loop_count - 1;
+}
+
+int dag_loops_go_back(const struct dag *d)
+{
+	return d->loop_count && d->rooms[0].columns;
 }
 
 int dag_loops_in_place(const struct dag *d)
@@ -43,7 +61,7 @@ int dag_loops_in_place(const struct dag *d)
 size_t dag_loops_begin(const struct dag *d)
 {
 	for (size_t i = 0; i < d->section_count; i++)
-		if (d->sections[i].kind == SECTION_COLUMNS)
+		if (dag_section_loops(&d->sections[i]))
 			return d->sections[i].node;
 	return d->count;
 }

@@ -66,6 +66,9 @@ enum looped { LOOPED_SINGLE, LOOPED_LANES, LOOPED_BATCH, LOOPED_RELAY };
    of qdd read it back. Returns 0, and leaves the DAG empty, where that does not serve the request, or is no gain. */
 int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k, enum looped use);
 
+/* The same, with gradients of the torques in loops over the coordinates beyond each body: for long chains. */
+int algorithm_build_way_back(struct dag *d, const struct tree *t, const struct request *k, int is_batch);
+
 /* Declare the arrays of its own. */
 void algorithm_declare(const struct algorithm *x, struct dag *d, const struct tree *t);
 

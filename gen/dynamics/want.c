@@ -139,6 +139,7 @@ static void begin_recursion(struct build *b, const struct tour *r)
 	b->recursion.has_gradients = is_used[BY_Q] || is_used[BY_QD];
 	b->recursion.has_coriolis = is_used[BY_CORIOLIS];
 	b->recursion.is_row_first = is_single(b);
+	b->recursion.way = b->way;
 	b->recursion.is_in_lanes = b->loops && b->loops->is_in_lanes;
 	b->recursion.has_shifts = b->solved[BY_Q] >= 0 || b->solved[BY_QD] >= 0;
 }
@@ -230,6 +231,8 @@ static void run_main(struct build *b, struct joint_inputs in)
 	output_scalars(b, &r);
 	b->torques = r.tau;
 	gradient_outputs(&r, b->forward, b->outputs, b->done);
+	if (b->way && b->recursion.r && !b->d->failed)
+		recursion_loop(&b->recursion);
 }
 
 static int is_zero(const struct row *rows, int count)
@@ -349,7 +352,7 @@ static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways)
 {
 	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics,
-		.pivots_alone = ways.pivots_alone, .loops = ways.loops};
+		.pivots_alone = ways.pivots_alone, .loops = ways.loops, .way = ways.way};
 	struct joint_inputs in;
 	struct forward forward = {.b = &b, .torques = {.argument = -1}};
 
@@ -369,6 +372,8 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	declare_request(&b);
 	if (is_single(&b))
 		forward_declare_columns(d, ways.loops);
+	if (b.way)
+		way_back_declare(b.way, d);
 	if (ways.pivots_alone) {
 		forward_find(&forward, &b, in);
 		forward_pivots(&forward, in);

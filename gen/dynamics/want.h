@@ -22,6 +22,7 @@ struct build {
 	enum dynamics dynamics;
 	int pivots_alone;
 	const struct loops *loops; /* NULL: there are none */
+	struct way_back *way;      /* of the recursion's coordinates; NULL: no loops */
 	struct recursion recursion;
 	int solved[BY_COUNT]; /* arguments: what is solved with the recursion's matrices; -1: nothing */
 	struct regressor regressor;
@@ -30,12 +31,13 @@ struct build {
 	struct forward *factored; /* whose tour it is */
 };
 
-/* How it is made. */
+/* How it is made. `way`: coordinates go back to the base in loops; NULL: they do not. */
 struct ways {
 	enum derivatives derivatives;
 	enum dynamics dynamics;
 	int pivots_alone; /* see forward_pivots */
 	const struct loops *loops; /* columns of derivatives of qdd are left as right sides, and solved in loops; NULL: none is */
+	struct way_back *way;
 };
 
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways);

@@ -76,14 +76,14 @@ static void build_cheapest(struct dag *d, const struct tree *t, const struct req
 	int is_open = k->dynamics == DYNAMICS_CHEAPER &&
 		(!articulated_is_shorter(t) || request_wants(k, WANT_QDD_BOUND)); /* which takes M too */
 	struct ways now = {k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
-		is_open || k->dynamics == DYNAMICS_FACTOR ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED, 0, NULL};
+		is_open || k->dynamics == DYNAMICS_FACTOR ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED, 0, NULL, NULL};
 
 	want_build_in(d, t, k, now);
 	if (has_derivatives && k->derivatives == DERIVATIVES_CHEAPER && !d->failed)
-		if (take_cheaper(d, t, k, (struct ways){DERIVATIVES_FORWARD, now.dynamics, 0, NULL}, d->count / 2 + MORE_NODES))
+		if (take_cheaper(d, t, k, (struct ways){DERIVATIVES_FORWARD, now.dynamics, 0, NULL, NULL}, d->count / 2 + MORE_NODES))
 			now.derivatives = DERIVATIVES_FORWARD;
 	if (takes_factors(k) && is_open && articulated_serves(t) && !d->failed)
-		take_cheaper(d, t, k, (struct ways){now.derivatives, DYNAMICS_ARTICULATED, 0, NULL}, 0);
+		take_cheaper(d, t, k, (struct ways){now.derivatives, DYNAMICS_ARTICULATED, 0, NULL, NULL}, 0);
 }
 
 /* Where nothing of q, qd or qdd is read, there is no such input: torques are differentiated by it all the same, so that is known
@@ -127,6 +127,17 @@ int algorithm_build_looped(struct dag *d, const struct tree *t, const struct req
 	loops.is_relay = is_relay;
 	loops.is_in_lanes = use == LOOPED_LANES;
 	want_build_in(d, t, k, (struct ways){k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
-		DYNAMICS_FACTOR, 0, &loops});
+		DYNAMICS_FACTOR, 0, &loops, NULL});
+	return 1;
+}
+
+int algorithm_build_way_back(struct dag *d, const struct tree *t, const struct request *k, int is_batch)
+{
+	struct way_back way;
+
+	if (k->derivatives == DERIVATIVES_FORWARD || k->is_forward || request_wants_any(k, IS_PRODUCT) ||
+		!way_back_begin(&way, t, k, is_batch, d->arena))
+		return 0;
+	want_build_in(d, t, k, (struct ways){DERIVATIVES_RECURSION, DYNAMICS_FACTOR, 0, NULL, &way});
 	return 1;
 }

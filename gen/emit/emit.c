@@ -1,3 +1,4 @@
+#include "emit/columns/emit_columns.h"
 #include "emit/unparse.h"
 #include "base/fold.h"
 #include "plan/grid/parts.h"

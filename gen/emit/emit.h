@@ -276,22 +276,6 @@ int emit_across_bytes(const struct emission *e, const struct segments *s);
 /* How many samples a segment runs for. */
 int emit_lanes(const struct emission *e, const struct segments *s);
 
-/* Is this segment a loop over columns? Its functions, and their calls for one sample, and for some of a batch. */
-struct writer;
-int emit_is_loop(const struct pass *p, int segment);
-void emit_columns(const struct emission *e, const struct pass *p, int segment, struct writer *w, struct text *spare,
-	struct text *out);
-void emit_columns_calls(const struct emission *e, const struct pass *p, int segment, struct text *out);
-void emit_columns_many_calls(const struct emission *e, const struct pass *p, int segment, struct text *out);
-
-/* Batches that run such loops: what stores the elements that are always zero, and the calls. */
-void emit_zeros_many(const struct emission *e, const struct pass *p, struct text *out);
-void emit_zeros_many_calls(const struct emission *e, const struct pass *p, struct text *out);
-
-/* What such loops are written with. The array in which the columns of all of them stand; "" where there are none. */
-void emit_columns_macros(const struct emission *e, struct text *out);
-const char *emit_columns_declaration(const struct emission *e, const struct pass *p);
-
 /* Bytes that a sample keeps across cuts, at least those of a number; samples that a thread takes at most; threads of a block, so
    that each has room for two. */
 int emit_segments_bytes(const struct emission *e, const struct pass *p);

@@ -286,13 +286,18 @@ static void put_limbs(const struct emission *e, const char *start, const struct 
 		s->most, name, pass, name, pass, start, s->warps);
 }
 
+static const char *looped(const struct pass *p)
+{
+	return dag_loops_go_back(&p->dag) ? "the coordinates beyond a link" : "such columns";
+}
+
 static void put_many(const struct pass *many, struct text *out)
 {
 	const struct segments *s = &many->segments;
 
-	text_printf(out, " *   That is with lines for each column of derivatives. Batches run %s: %d segments, each for several"
-		" samples before\n *   the next, the last %d of which loop over such columns; %d values go across cuts.\n",
-		many->algorithm->name, s->count, many->dag.loop_count, s->slots[0]);
+	text_printf(out, " *   That is with lines for each column of derivatives. Batches run %s: %d segments, each for several\n"
+		" *   samples before the next, the last %d of which loop over %s; %d values go across cuts.\n", many->algorithm->name,
+		s->count, many->dag.loop_count, looped(many), s->slots[0]);
 }
 
 static void put_operations(const struct emission *e, struct text *out)
@@ -316,8 +321,9 @@ static void put_operations(const struct emission *e, struct text *out)
 	if (emit_main(e)->many)
 		put_many(emit_main(e)->many, out);
 	if (emit_main(e)->single)
-		text_printf(out, " *   A sample alone runs %s: %d segments, the last %d of which loop over columns of derivatives.\n",
-			emit_main(e)->single->algorithm->name, emit_main(e)->single->segments.count, emit_main(e)->single->dag.loop_count);
+		text_printf(out, " *   A sample alone runs %s: %d segments, the last %d of which loop over %s.\n",
+			emit_main(e)->single->algorithm->name, emit_main(e)->single->segments.count, emit_main(e)->single->dag.loop_count,
+			looped(emit_main(e)->single));
 	if (emit_main(e)->beside)
 		text_printf(out, " *   With vectors of %d numbers a sample alone runs %s: %d segments in lanes; its last bits may not be\n"
 			" *   those of %s. -DRNEA_NO_LANES leaves it out.\n",

@@ -168,6 +168,21 @@ static int has_part(const struct emission *e, int (*is)(const struct pass *p))
 	return 0;
 }
 
+/* Loops on a processor. */
+static void put_columns(const struct pass *p, struct text *out)
+{
+	if (p->single && dag_loops_go_back(&p->single->dag)) {
+		put_entry("carried column", "what coordinates carry on their way back to the base; that of the first of them", out);
+		put_entry("sn sm sf", "of a coordinate at the link: what it feels of a field is sn.alpha + sm.beta + sf.gamma", out);
+		put_entry("fq nq fd nd", "force and moment on the links beyond, by its q and by its qd", out);
+		return;
+	}
+	if (p->many)
+		put_entry("column", "in a batch, a column of a derivative of qdd, in its place", out);
+	if (p->single)
+		put_entry("columns column l", "of both derivatives of qdd, side by side; the first of them; which of them this is", out);
+}
+
 static void put_functions(const struct emission *e, struct text *out)
 {
 	const struct dag *d = &emit_main(e)->dag;
@@ -191,10 +206,7 @@ static void put_functions(const struct emission *e, struct text *out)
 			"values that one segment leaves for another; from one of them to the next", out);
 	if (emit_has_segments(e))
 		put_entry("first_... l", "an array at the first of several samples in a row; which of them this is", out);
-	if (emit_main(e)->many)
-		put_entry("column", "in a batch, a column of a derivative of qdd, in its place", out);
-	if (emit_main(e)->single)
-		put_entry("columns column l", "of both derivatives of qdd, side by side; the first of them; which of them this is", out);
+	put_columns(emit_main(e), out);
 	if (emit_has_known(e))
 		put_entry("known sines all_small", "the angles' sines and cosines are known; they; all angles are small", out);
 	if (emit_bounds_by_table(e, &emit_main(e)->dag)) {

@@ -1,5 +1,7 @@
 /* Functions of passes in segments: a body for each, a loop over some samples for each, and what calls them. */
 #include "base/fold.h"
+#include "emit/columns/emit_columns.h"
+#include "emit/columns/emit_way_back.h"
 #include "emit/emit.h"
 #include "base/template.h"
 #include "plan/stage.h"
@@ -91,7 +93,8 @@ struct touched emit_touched(const struct plan *p)
 		if (l->kind == LINE_FETCH || l->kind == LINE_KEEP) {
 			t.across[p->dag->nodes[l->value.i].is_wide] = 1;
 			t.step |= l->index > 0;
-		}
+		} else if (l->kind == LINE_STORE)
+			t.step |= emit_is_carried(p->dag, p->dag->outputs[l->index].argument);
 	t.stride = emit_mark_arguments(p, t.arguments);
 	return t;
 }
@@ -391,7 +394,7 @@ void emit_segments_part(const struct emission *e, const struct pass *p, const ch
 		{"WHERE_SMALL", emit_has_known(e) ? " where their angles are small, which is the rule" : ""},
 		{"AND_SMALL", and_small(e, are_small)}, {"COUNT_PARAM", e->options->layout == RNEAGEN_SOA ? "size_t count, " : ""},
 		{"AT_SAMPLE", emit_at_sample(e, p)}, {"LANES", emit_int(e, emit_lanes(e, s))},
-		{"CALLS", lanes_calls(e, many_of(p))}, {"DECLARATIONS", emit_across(e, s, ACROSS_LANES)}};
+		{"CALLS", lanes_calls(e, many_of(p))}, {"DECLARATIONS", emit_columns_many_declarations(e, many_of(p))}};
 
 	template_expand(out, template_part_segments_in, slots, sizeof slots / sizeof *slots);
 }

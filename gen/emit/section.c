@@ -56,6 +56,8 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 	[SECTION_REGRESSOR] = "W, V of the body by a unit rate of each joint on the way here: W = R'W_p, V = R'(V_p + W_p x p);\n\t   "
 		"their power V.f + W.n by a unit of m: V.a;  of h: U'V + a x W;  of I: W.(I dw + w x I w)",
 	[SECTION_COLUMNS] = "L'y = -d ID;  L d qdd = y/D",
+	[SECTION_WAY] = "of each coordinate beyond: n2 += p x f2, n1 += p' x f2;  dN += p x dF;  the joint's field makes it feel\n\t   "
+		"n2.alpha + n1.beta + f2.gamma, and the joint feels z.dN, or z.dF",
 	[SECTION_ROWS] = "in an order in which few values wait: what the rows of the joint take, and what is complete then",
 	[SECTION_SWEEPS] = "of the outputs y by the state x and other inputs, dqdd = M^-1 (dtau - dID) where qdd is found:\n\t   "
 		"jvp = dy/dx jvp_v, forwards;  vjp = vjp_v' dy/dx, backwards",
@@ -134,7 +136,7 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 /* Of others, what is before the name of a joint, or before the number and the name of a link. */
 static const char *const ABOUT[SECTION_COUNT] = {[SECTION_BY] = "derivatives by", [SECTION_ROWS] = "rows of",
 	[SECTION_REGRESSOR] = "torques by the inertial parameters of link"};
-static const char *const ABOUT_LINKS[SECTION_COUNT] = {[SECTION_PLACE] = "place of",
+static const char *const ABOUT_LINKS[SECTION_COUNT] = {[SECTION_PLACE] = "place of", [SECTION_WAY] = "coordinates go back from",
 	[SECTION_JACOBIAN] = "Jacobian of what is on", [SECTION_SUBTREE] = "back from", [SECTION_OPSPACE] = "inertia felt on"};
 
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */

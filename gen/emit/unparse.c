@@ -186,6 +186,16 @@ static int slot_of(const struct unparser *u, size_t output)
 	return w->slots && !u->numbers->is_beside ? w->slot[output] : -1;
 }
 
+/* Over columns a constant is as many. */
+static void put_stored(const struct unparser *u, struct ref value, struct text *out)
+{
+	int is_splat = u->is_over_columns && u->plan->dag->nodes[value.i].op == OP_CONST;
+
+	text_put(out, is_splat ? u->numbers->splat : "");
+	put_value(u, value, u->numbers->store_is_cast ? op_strength[OP_NEG] : 0, out);
+	text_put(out, is_splat ? ")" : "");
+}
+
 static void put_store(const struct unparser *u, size_t output, struct text *out)
 {
 	const struct output *o = &u->plan->dag->outputs[output];
@@ -201,7 +211,7 @@ static void put_store(const struct unparser *u, size_t output, struct text *out)
 		text_printf(out, ", %d", slot);
 	text_put(out, is_call ? ", " : " = ");
 	put_around(&u->numbers->store, 0, out);
-	put_value(u, o->value, u->numbers->store_is_cast ? op_strength[OP_NEG] : 0, out);
+	put_stored(u, o->value, out);
 	put_around(&u->numbers->store, 1, out);
 	text_put(out, is_call ? ")" : "");
 }

@@ -1,4 +1,5 @@
 /* Rows of arrays. */
+#include "emit/columns/emit_way_back.h"
 #include "emit/unparse.h"
 #include "plan/tiles/tiles.h"
 #include <stdio.h>
@@ -28,7 +29,9 @@ static void put_row(const struct unparser *u, const char *array, int argument, i
 	const struct stretches *s = is_inner ? u->pass->tiles : u->has_inner ? NULL : u->pass->stretches;
 	const char *step = is_inner ? "inner" : "stride";
 
-	if (u->plan->dag->arguments[argument].per_batch || u->numbers->is_beside)
+	if (emit_is_carried(u->plan->dag, argument))
+		text_printf(out, "%s[%d*step + l]", array, row);
+	else if (u->plan->dag->arguments[argument].per_batch || u->numbers->is_beside)
 		text_printf(out, "%s[%d]", array, row);
 	else if (s && s->period && argument == s->divided && row >= s->period)
 		put_divided(s, array, row, out);

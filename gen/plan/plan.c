@@ -61,6 +61,19 @@ static void weigh(struct planner *b, size_t i)
 	}
 }
 
+/* What coordinates share on their way back to the base is made before the loops, but for signs. */
+static void name_shared(struct planner *b, const struct node *n, size_t loops)
+{
+	for (int k = 0; k < op_arity[n->op]; k++) {
+		uint32_t i = n->arg[k].i;
+
+		while (b->d->nodes[i].op == OP_NEG)
+			i = b->d->nodes[i].arg[0].i;
+		if (i < loops && b->d->nodes[i].op != OP_CONST)
+			b->named[i] = 1;
+	}
+}
+
 /* What lanes are made of, and what has lanes, have names; so has a lane that a loop reads. */
 static void name_parts(struct planner *b, const struct node *n, int is_in_loop)
 {
@@ -83,6 +96,8 @@ static void choose_lines(struct planner *b)
 			continue;
 		weigh(b, i);
 		name_parts(b, &b->d->nodes[i], i >= loops);
+		if (i >= loops && dag_loops_go_back(b->d))
+			name_shared(b, &b->d->nodes[i], loops);
 		b->named[i] = (unsigned char)deserves_line(b, i);
 	}
 }
@@ -347,7 +362,7 @@ void plan_dump(const struct plan *p, struct text *t)
 	static const char *const kinds[] = {"section", "input", "value", "sincos", "store", "fetch", "keep", "join"};
 	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias",
 		"gravity", "by", "products", "factors", "articulated", "inverse", "residual", "refined", "bound", "regressor",
-		"place", "jacobian", "rate", "subtree", "centroid", "factored", "opspace", "sweeps", "rows", "columns"};
+		"place", "jacobian", "rate", "subtree", "centroid", "factored", "opspace", "sweeps", "rows", "columns", "way"};
 
 	for (size_t i = 0; i < p->line_count; i++) {
 		const struct line *l = &p->lines[i];

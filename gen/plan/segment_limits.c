@@ -182,7 +182,8 @@ int segments_once_more(struct pass **made, const struct pass *p, segments_build 
 
 static int build_looped(struct dag *d, const struct pass *p, const struct request *k)
 {
-	return algorithm_build_looped(d, p->plan.tree, k, LOOPED_SINGLE);
+	return k->is_forward ? algorithm_build_looped(d, p->plan.tree, k, LOOPED_SINGLE)
+		: algorithm_build_way_back(d, p->plan.tree, k, 0);
 }
 
 /* A loop's body is told what goes across, and its column; so it must read some of these values, and no input. */
@@ -190,11 +191,13 @@ static int is_closed(const struct pass *s)
 {
 	for (int k = s->segments.count - s->dag.loop_count; k < s->segments.count; k++) {
 		const struct plan *lines = &s->segments.plans[k];
-		int fetched = 0;
+		int fetched = 0, kept = 0;
 
-		for (const struct line *l = lines->lines; l < lines->lines + lines->line_count; l++)
+		for (const struct line *l = lines->lines; l < lines->lines + lines->line_count; l++) {
 			fetched |= l->kind == LINE_FETCH && l->index > 0;
-		if (!fetched || segments_reads_input(lines))
+			kept |= l->kind == LINE_KEEP;
+		}
+		if (!fetched || kept || segments_reads_input(lines))
 			return 0;
 	}
 	return 1;
@@ -206,7 +209,7 @@ int segments_single(struct pass *p, const struct request *k, const struct rneage
 
 	if (!p->segments.count || !segments_may_differ(o))
 		return !a->failed;
-	if (!segments_once_more(&s, p, build_looped, "fd_single", k, o, a))
+	if (!segments_once_more(&s, p, build_looped, k->is_forward ? "fd_single" : "rnea_single", k, o, a))
 		return 0;
 	if (s && is_closed(s))
 		p->single = s;
@@ -222,7 +225,8 @@ enum { MANY_LEAST = 60000, MANY_LEAST_AOS = 100000 };
 
 static int build_many(struct dag *d, const struct pass *p, const struct request *k)
 {
-	return algorithm_build_looped(d, p->plan.tree, k, LOOPED_BATCH);
+	return k->is_forward ? algorithm_build_looped(d, p->plan.tree, k, LOOPED_BATCH)
+		: algorithm_build_way_back(d, p->plan.tree, k, 1);
 }
 
 /* In aos, from a sample to the next: the same for all matrices of a loop. */
@@ -240,9 +244,9 @@ int segments_many(struct pass *p, const struct request *k, const struct rneagen_
 	unsigned least = o->layout == RNEAGEN_SOA ? MANY_LEAST : MANY_LEAST_AOS;
 	struct pass *s;
 
-	if (!p->single || plan_flops(plan_operations(&p->plan)) < least)
+	if (!p->single || (k->is_forward && plan_flops(plan_operations(&p->plan)) < least))
 		return !a->failed;
-	if (!segments_once_more(&s, p, build_many, "fd_many", k, o, a))
+	if (!segments_once_more(&s, p, build_many, k->is_forward ? "fd_many" : "rnea_many", k, o, a))
 		return 0;
 	if (s && is_closed(s) && is_even(&s->dag))
 		p->many = s;

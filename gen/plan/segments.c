@@ -24,9 +24,12 @@ struct cutter {
 	uint32_t *seen;      /* by node: 1 + the segment that has it */
 };
 
+/* It is read again where it is needed; but a loop over coordinates on their way back to the base fetches it as it does values. */
 static int is_input(const struct cutter *c, uint32_t node)
 {
-	return c->p->dag->nodes[node].op == OP_INPUT;
+	const struct node *n = &c->p->dag->nodes[node];
+
+	return n->op == OP_INPUT && (n->arg[0].i >= DAG_COLUMN || c->readings.last[node] < c->loop || !dag_loops_go_back(c->p->dag));
 }
 
 /* ---- where a cut may be ---- */
@@ -55,7 +58,7 @@ uint32_t segments_next_loop(const struct plan *p, uint32_t i)
 {
 	const struct line *l = p->lines;
 
-	while (i < p->line_count && (l[i].kind != LINE_SECTION || p->dag->sections[l[i].index].kind != SECTION_COLUMNS))
+	while (i < p->line_count && (l[i].kind != LINE_SECTION || !dag_section_loops(&p->dag->sections[l[i].index])))
 		i++;
 	return i;
 }
@@ -230,7 +233,7 @@ static void add_line(const struct cutter *c, struct plan *p, uint32_t line, uint
 	struct ref made[2];
 	int count = readings_made(c->p, l, made);
 
-	if (l->kind == LINE_INPUT)
+	if (l->kind == LINE_INPUT && is_input(c, l->value.i))
 		return;
 	add_readings(c, p, line, segment);
 	p->lines[p->line_count++] = *l;

@@ -47,6 +47,15 @@ int pattern_make(struct pattern *p, const struct tree *t, int symmetric, int den
 	return make(p, t, 0, symmetric, dense, a);
 }
 
+int pattern_row_begins(const struct pattern *p, int line)
+{
+	const int *row = p->row + line * p->cols;
+
+	while (*row < 0)
+		row++;
+	return *row;
+}
+
 int pattern_coupled(struct pattern *p, const struct tree *t, int symmetric, int dense, struct arena *a)
 {
 	return make(p, t, 1, symmetric, dense, a);

@@ -15,6 +15,9 @@ struct pattern {
 /* nv x nv, row by row; of a symmetric matrix the lower triangle alone. `dense`: all of it. Returns 0 when memory runs out. */
 int pattern_make(struct pattern *p, const struct tree *t, int symmetric, int dense, struct arena *a);
 
+/* The first element of a line that is stored. */
+int pattern_row_begins(const struct pattern *p, int line);
+
 /* The same of what is solved with the mass matrix, where all joints feel each other that hang together. */
 int pattern_coupled(struct pattern *p, const struct tree *t, int symmetric, int dense, struct arena *a);
 

@@ -155,6 +155,10 @@ static void trace(struct recursion *x, int body, int row)
 		recursion_send(x, body, i, &s, w);
 		return;
 	}
+	if (x->way) {
+		recursion_set_out(x, body, i, &s, w);
+		return;
+	}
 	if (!x->is_row_first) {
 		carry(x, body, i, &s, w, BY_Q, BY_QDD);
 		return;
@@ -182,6 +186,8 @@ void recursion_leave(struct recursion *x, int body)
 		recursion_write_between(x, k->iv + row, body);
 	if (x->is_in_lanes)
 		recursion_go_on(x, body);
+	if (x->way)
+		recursion_prepare(x, body);
 	if (k->parent >= 0) {
 		struct svec rate = tour_origin_rate(r, body);
 		int has_rate = x->has_gradients || x->has_coriolis;

@@ -26,6 +26,19 @@ struct traveller {
 	struct wrench w[BY_QDD];
 };
 
+/* Vectors that a coordinate carries: row_vectors, and a wrench by q and by qd. */
+enum { WAY_VECTORS = 7 };
+
+/* Coordinates on their way back to the base in loops. A row of qd has a place in an array. */
+struct way_back {
+	int argument;          /* the array */
+	int rows, places;      /* of each place; with as many more as a vector may reach over */
+	int carried, elements; /* of the rows: what a coordinate carries; what the joint and it make the other feel */
+	int is_wanted[2];      /* d tau/d q, d tau/d qd */
+	int is_batch;          /* samples are side by side, not coordinates */
+	int loop, here;        /* while one is made: its number, -1 for none; the body to which it comes, -1: none is made */
+};
+
 struct recursion {
 	const struct tour *r;
 	struct composite *bodies; /* of the subtrees so far */
@@ -37,6 +50,7 @@ struct recursion {
 	struct traveller *travellers;
 	int traveller_count;
 	const struct traveller *now;     /* whose elements are made; NULL: of one coordinate */
+	struct way_back *way;            /* coordinates go back to the base in loops; NULL: they do not */
 	int is_row_first;                /* a coordinate's row is carried back to the base before its columns are */
 };
 
@@ -73,6 +87,16 @@ struct row_vectors recursion_row_to_parent(const struct recursion *x, int body, 
 /* Coordinate i sets out from its body, with wrenches or without; all that are at a body go on to its parent (recursion_lanes.c). */
 void recursion_send(struct recursion *x, int body, int i, const struct row_vectors *s, const struct wrench *w);
 void recursion_go_on(struct recursion *x, int body);
+
+/* The same in loops (recursion_loops.c). Returns 0 where that does not serve the request. Its array; what
+   coordinate i carries when it sets out; what all coordinates share on their way from a body; an element, while a loop is made;
+   and the loops, behind all else. */
+int way_back_begin(struct way_back *w, const struct tree *t, const struct request *k, int is_batch, struct arena *a);
+void way_back_declare(struct way_back *w, struct dag *d);
+void recursion_set_out(struct recursion *x, int body, int i, const struct row_vectors *s, const struct wrench *w);
+void recursion_prepare(struct recursion *x, int body);
+void recursion_put_element(struct recursion *x, enum by by, int i, int j, struct ref e);
+void recursion_loop(struct recursion *x);
 
 /* Where a body is; the unit twist (Z, Y) of its row, in its frame; and the fields of that coordinate, by what it
    is differentiated. */

@@ -33,7 +33,10 @@ static void add_each(struct recursion *x, struct ref *elements, int i, int j, st
 
 void recursion_add(struct recursion *x, enum by by, int i, int j, struct ref e)
 {
-	add_each(x, x->by[by].element, i, j, e);
+	if (x->way && x->way->here >= 0)
+		recursion_put_element(x, by, i, j, e);
+	else
+		add_each(x, x->by[by].element, i, j, e);
 }
 
 static void fill_apart(struct recursion *x, enum by by, int i, int j, const struct row_vectors *s, struct field f)

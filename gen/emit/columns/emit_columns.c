@@ -2,6 +2,8 @@
    the functions that run these, and the calls. One sample's columns stand side by side in an array, a batch's in the matrices. */
 #include "base/fold.h"
 #include "base/template.h"
+#include "emit/columns/emit_columns.h"
+#include "emit/columns/emit_way_back.h"
 #include "emit/unparse.h"
 
 int emit_is_loop(const struct pass *p, int segment)
@@ -66,16 +68,23 @@ static void write_columns(struct writer *w, int is_over)
 	w->own.is_over_columns = is_over;
 }
 
+static const char *what_text(const struct pass *p, int is_row)
+{
+	if (dag_loops_go_back(&p->dag))
+		return is_row ? "coordinates side by side, from a link to the one before" : "a coordinate, from a link to the one before";
+	return is_row ? "d qdd = -M^-1 of the columns of d tau, in their place" : "d qdd = M^-1 of a column that stands in its place";
+}
+
 /* Statements are made in `spare` before they are indented. */
 void emit_columns(const struct emission *e, const struct pass *p, int segment, struct writer *w, struct text *spare,
 	struct text *out)
 {
 	const struct segments *s = &p->segments;
-	int is_row = !e->target->kernel && !dag_loops_in_place(&p->dag), is_many = !e->target->kernel && !is_row;
+	int is_many = p == emit_main(e)->many, is_row = !e->target->kernel && !is_many;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
 		{"PITCH", pitch_text(e, p, loop_of(p, segment))}, {"LANES", emit_int(e, emit_lanes(e, s))}, {"SEGMENT", emit_int(e, segment)},
 		{"COUNT", emit_int(e, s->count)}, {"UNUSED", unused_text(e, &s->plans[segment])},
-		{"NUMBER", emit_int(e, loop_of(p, segment))},
+		{"NUMBER", emit_int(e, loop_of(p, segment))}, {"WHAT", what_text(p, is_row)},
 		{"COLUMNS", emit_int(e, dag_loop_columns(&p->dag, loop_of(p, segment)))}};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;
 	const char *frame = is_many ? template_segment_columns_many_in
@@ -94,12 +103,25 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 	template_expand(out, rest, slots, count);
 	if (is_row)
 		template_expand(out, template_segment_columns_row_in, slots, count);
-	if (is_row && segment == s->count - 1)
+	if (dag_loops_go_back(&p->dag) && segment == s->count - 1)
+		emit_way_functions(e, p, out);
+	else if (is_row && segment == s->count - 1)
 		template_expand(out, template_segment_columns_put_in, slots, count);
 	fold(out, from);
 }
 
 /* ---- calls ---- */
+
+const char *emit_columns_many_declarations(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_put(&t, emit_across(e, &p->segments, ACROSS_LANES));
+	if (dag_loops_go_back(&p->dag))
+		emit_way_many_declaration(e, p, &t);
+	return text_string(&t);
+}
 
 const char *emit_columns_declaration(const struct emission *e, const struct pass *p)
 {
@@ -107,7 +129,9 @@ const char *emit_columns_declaration(const struct emission *e, const struct pass
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (p->dag.loop_count)
+	if (dag_loops_go_back(&p->dag))
+		emit_way_declaration(e, p, &t);
+	else if (p->dag.loop_count)
 		text_printf(&t, "\t%s %s[%d];\n", e->memory->type, columns->name, columns->rows);
 	return text_string(&t);
 }
@@ -123,12 +147,11 @@ static void put_zeros(const struct pass *p, int loop, struct text *out)
 			"\t\t\t%s[%d + i*%d + l] = 0;\n", r->rows, columns, columns, p->dag.arguments[r->argument].name, r->first, r->room);
 }
 
-/* A place in an array, as an address. */
-static void put_address(const char *array, int row, const char *stride, struct text *out)
+void emit_put_address(const char *array, int row, const char *step, struct text *out)
 {
 	text_put(out, array);
 	if (row)
-		text_printf(out, " + %d%s%s", row, *stride ? "*" : "", stride);
+		text_printf(out, " + %d%s%s", row, *step ? "*" : "", step);
 }
 
 /* `stride`: "" where it is 1. */
@@ -142,9 +165,9 @@ static void put_copies(const struct emission *e, const struct pass *p, int loop,
 		if (r->loop != loop)
 			continue;
 		text_printf(out, "%s%s_%s_put_columns(", indent, e->options->name, p->algorithm->name);
-		put_address(arguments[x->argument].name, x->first + r->lane, "", out);
+		emit_put_address(arguments[x->argument].name, x->first + r->lane, "", out);
 		text_printf(out, ", %d, ", x->room);
-		put_address(arguments[r->argument].name, r->first, stride, out);
+		emit_put_address(arguments[r->argument].name, r->first, stride, out);
 		text_printf(out, ", %d, %d, %d, %s);\n", x->pitch, x->rows, r->count, *stride ? stride : "1");
 	}
 }
@@ -154,9 +177,13 @@ void emit_columns_calls(const struct emission *e, const struct pass *p, int segm
 {
 	int loop = loop_of(p, segment);
 
+	if (dag_loops_go_back(&p->dag)) {
+		emit_way_calls(e, p, loop, out);
+		return;
+	}
 	put_zeros(p, loop, out);
 	text_printf(out, "\t%s_%s_columns%d(", e->options->name, p->algorithm->name, loop);
-	put_address(p->dag.arguments[p->dag.rooms[loop].argument].name, p->dag.rooms[loop].first, "", out);
+	emit_put_address(p->dag.arguments[p->dag.rooms[loop].argument].name, p->dag.rooms[loop].first, "", out);
 	text_put(out, ", across);\n");
 	if (e->options->layout != RNEAGEN_SOA) {
 		put_copies(e, p, loop, "\t", "", out);
@@ -187,6 +214,11 @@ static void put_first(const struct emission *e, const struct pass *p, int argume
 void emit_columns_many_calls(const struct emission *e, const struct pass *p, int segment, struct text *out)
 {
 	int loop = loop_of(p, segment), is_soa = e->options->layout == RNEAGEN_SOA;
+
+	if (dag_loops_go_back(&p->dag)) {
+		emit_way_many_calls(e, p, loop, out);
+		return;
+	}
 
 	for (const struct column_run *r = p->dag.runs; r < p->dag.runs + p->dag.run_count; r++) {
 		if (r->loop != loop)

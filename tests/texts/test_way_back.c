@@ -1,0 +1,257 @@
+/* Gradients of the torques of long chains, whose coordinates go back to the base in loops: one sample's and a batch's, compiled as
+   C, beside central differences of the independent reference. This would catch a coordinate that another one's vector writes over, an
+   element in another's place, one that no loop makes, and what is shared but made too late. */
+#include "launched.h"
+#include "reference/differences.h"
+#include "support/exhaustive.h"
+#include "support/random_robot.h"
+#include "support/rng.h"
+#include "support/suite.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Several blocks of samples, and some that are left over, which are computed one by one. */
+enum { COUNT = 41, SEED = 20261128, CHECKED = 3 };
+
+static const struct subject {
+	const char *scene;
+	int links, floating;
+	double prismatic, planar, branching;
+	enum rneagen_precision precision;
+	enum rneagen_layout layout;
+	int only, is_looped, is_long; /* to compile */
+} SUBJECTS[] = {
+	{"want tau,dtau_dq,dtau_dqd\n", 50, 0, 0.2, 0, 0.02, RNEAGEN_F64, RNEAGEN_SOA, 0, 1, 0},
+	{"want dtau_dqd,dtau_dq\n", 46, 1, 0, 0.1, 0.02, RNEAGEN_F64, RNEAGEN_AOS, 0, 1, 1},
+	{"want tau,dtau_dqd\ndense\n", 56, 0, 0.1, 0.1, 0.02, RNEAGEN_F32, RNEAGEN_SOA, 0, 1, 1},
+	{"want dtau_dq,tau\n", 44, 0, 0, 0, 0, RNEAGEN_F64, RNEAGEN_AOS, 1, 1, 0},
+	{"want tau,dtau_dq,dtau_dqd\n", 30, 0, 0, 0, 0, RNEAGEN_F64, RNEAGEN_SOA, 0, 0, 0}, /* too short */
+	{"want tau,dtau_dq,dtau_dqd\n", 60, 0, 0, 0, 0.8, RNEAGEN_F64, RNEAGEN_SOA, 0, 0, 0}, /* too many branches */
+	{"want dtau_dq,M\n", 48, 0, 0, 0, 0, RNEAGEN_F64, RNEAGEN_SOA, 0, 0, 0},
+	{"want tau,dtau_dq\nderivatives forward\n", 44, 0, 0, 0, 0, RNEAGEN_F64, RNEAGEN_SOA, 1, 0, 0},
+	{"want tau,dtau_dq\n", 48, 0, 0, 0, 0, RNEAGEN_MIXED, RNEAGEN_SOA, 0, 0, 0},
+};
+enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
+
+static char *draw(const struct subject *s)
+{
+	const struct random_robot_knobs knobs = {.links = s->links, .branching = s->branching, .fixed = 0.02, .continuous = 0.2,
+		.prismatic = s->prismatic, .planar = s->planar, .odd_axis = 0.3, .right_rpy = 0.3, .general_rpy = 0.2, .massless = 0.05,
+		.points = 0.1, .rotated = 0.3, .root_mass = s->floating};
+
+	return random_robot(SEED, &knobs);
+}
+
+static void generate(const struct subject *s, const char *urdf, struct target *t)
+{
+	struct rneagen_options o = rneagen_options_default();
+
+	o.target = RNEAGEN_TARGET_C;
+	o.precision = s->precision;
+	o.layout = s->layout;
+	o.only_rnea = s->only;
+	o.scene = s->scene;
+	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
+	target_generate(t, urdf, strlen(urdf), &o, "a chain");
+}
+
+/* ---- what is right ---- */
+
+/* The entry of a row of qd. */
+static int entry_of(const struct reference *r, int row)
+{
+	int k = 0;
+
+	while (r->joints[k].nv == 0 || row < r->joints[k].iv || row >= r->joints[k].iv + r->joints[k].nv)
+		k++;
+	return k;
+}
+
+static int is_at_or_above(const struct reference *r, int above, int entry)
+{
+	while (entry > above)
+		entry = r->joints[entry].parent;
+	return entry == above;
+}
+
+/* Do their joints feel each other? Only such elements are stored, row by row, unless a matrix is dense. */
+static int is_stored(const struct reference *r, const struct subject *s, int i, int j)
+{
+	int a = entry_of(r, i), b = entry_of(r, j);
+
+	return strstr(s->scene, "dense") != NULL || is_at_or_above(r, a, b) || is_at_or_above(r, b, a);
+}
+
+struct matrices {
+	wide *by[2], *M, *work;
+};
+
+static struct matrices new_matrices(const struct reference *r)
+{
+	size_t elements = (size_t)r->nv * (size_t)r->nv;
+
+	return (struct matrices){{calloc(elements, sizeof(wide)), calloc(elements, sizeof(wide))}, calloc(elements, sizeof(wide)),
+		calloc(REFERENCE_WORK(r), sizeof(wide))};
+}
+
+static void free_matrices(struct matrices *x)
+{
+	free(x->by[0]);
+	free(x->by[1]);
+	free(x->M);
+	free(x->work);
+}
+
+/* ---- what the text gives ---- */
+
+struct batch {
+	const struct rnea_info *info;
+	void *arrays[8];
+};
+
+static size_t place(const struct batch *b, const struct rnea_argument *a, size_t row, size_t sample)
+{
+	return b->info->layout == RNEA_AOS ? sample * a->rows + row : row * COUNT + sample;
+}
+
+static double get(const struct batch *b, size_t argument, size_t row, size_t sample)
+{
+	const struct rnea_argument *a = &b->info->arguments[argument];
+	size_t i = place(b, a, row, sample);
+
+	return a->scalar == RNEA_F64 ? ((const double *)b->arrays[argument])[i] : (double)((const float *)b->arrays[argument])[i];
+}
+
+static void set(struct batch *b, size_t argument, size_t row, size_t sample, double x)
+{
+	const struct rnea_argument *a = &b->info->arguments[argument];
+	size_t i = place(b, a, row, sample);
+
+	if (a->scalar == RNEA_F64)
+		((double *)b->arrays[argument])[i] = x;
+	else
+		((float *)b->arrays[argument])[i] = (float)x;
+}
+
+/* Inputs, in turn q, qd and qdd, and outputs that nobody has written. */
+static struct batch draw_batch(const struct rnea_info *info, const struct subject *s)
+{
+	struct batch b = {.info = info};
+	struct rng rng = rng_seed(SEED);
+
+	for (size_t i = 0; i < info->input_count + info->output_count; i++) {
+		const struct rnea_argument *a = &info->arguments[i];
+
+		b.arrays[i] = calloc(a->rows * COUNT, sizeof(double));
+		for (size_t k = 0; k < COUNT; k++)
+			for (size_t row = 0; row < a->rows; row++) {
+				int is_base = s->floating && i == 0 && row >= 3 && row < 7;
+
+				set(&b, i, row, k, i >= info->input_count ? (double)NAN : is_base ? 0.5 - (row == 5) : rng_uniform(&rng, -1, 1));
+			}
+	}
+	return b;
+}
+
+static double largest(const wide *x, int count)
+{
+	double most = 0;
+
+	for (int i = 0; i < count; i++)
+		most = fmax(most, fabs((double)x[i]));
+	return most;
+}
+
+/* The largest error of a matrix, by its largest element. */
+static double error_of(const struct batch *b, size_t argument, size_t sample, const struct reference *r, const struct subject *s,
+	const wide *right)
+{
+	double most = largest(right, r->nv * r->nv), worst = 0;
+	size_t row = 0;
+
+	for (int i = 0; i < r->nv; i++)
+		for (int j = 0; j < r->nv; j++)
+			if (is_stored(r, s, i, j)) {
+				double error = fabs(get(b, argument, row++, sample) - (double)right[i * r->nv + j]) / most;
+
+				worst = !(error <= worst) ? error : worst;
+			}
+	ck_assert_uint_eq(row, b->info->arguments[argument].rows);
+	return worst;
+}
+
+static double error_in(const struct batch *b, size_t sample, struct reference *r, const struct subject *s)
+{
+	struct matrices x = new_matrices(r);
+	double *in[3], worst = 0;
+
+	for (size_t i = 0; i < 3; i++) {
+		in[i] = calloc((size_t)r->nq, sizeof(double));
+		for (size_t row = 0; row < b->info->arguments[i].rows; row++)
+			in[i][row] = get(b, i, row, sample);
+	}
+	reference_differences(r, in[0], in[1], in[2], x.by[0], x.by[1], x.M, x.work);
+	for (size_t i = b->info->input_count; i < b->info->input_count + b->info->output_count; i++) {
+		const char *name = b->info->arguments[i].name;
+
+		if (strncmp(name, "dtau_", 5) == 0) {
+			double error = error_of(b, i, sample, r, s, x.by[strcmp(name, "dtau_dqd") == 0]);
+
+			worst = !(error <= worst) ? error : worst;
+		}
+	}
+	for (size_t i = 0; i < 3; i++)
+		free(in[i]);
+	free_matrices(&x);
+	return worst;
+}
+
+static void check_values(const struct subject *s, const struct target *t, const char *urdf)
+{
+	static const size_t checked[CHECKED] = {0, 17, COUNT - 1};
+	struct reference_options how = {.floating = s->floating};
+	char message[200];
+	struct reference *r = reference_open(urdf, strlen(urdf), &how, message, sizeof message);
+	struct rnea_robot *robot = launched_open(t, RNEA_BACKEND_HOST, 0);
+	struct batch b = draw_batch(rnea_info(robot), s);
+	struct rnea_error e;
+
+	ck_assert_msg(r != NULL, "%s", message);
+	ck_assert_msg(!rnea_launch(robot, b.arrays, COUNT, NULL, &e), "%s", e.message);
+	for (int k = 0; k < CHECKED; k++) {
+		double worst = error_in(&b, checked[k], r, s);
+
+		printf("%s, sample %zu: within %.1e, seed %d\n", t->what, checked[k], worst, SEED);
+		ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 2e-4 : 1e-9);
+	}
+	for (size_t i = 0; i < b.info->input_count + b.info->output_count; i++)
+		free(b.arrays[i]);
+	rnea_close(robot);
+	reference_close(r);
+}
+
+START_TEST(test_chain)
+{
+	const struct subject *s = &SUBJECTS[_i];
+	char *urdf = draw(s);
+	struct target t;
+
+	generate(s, urdf, &t);
+	ck_assert_int_eq(strstr(t.text.source, "_set_out(") != NULL, s->is_looped);
+	if (s->is_looped && !s->only && (exhaustive() || !s->is_long))
+		check_values(s, &t, urdf);
+	rneagen_result_free(&t.text);
+	free(urdf);
+}
+END_TEST
+
+int main(void)
+{
+	Suite *s = suite_create("way_back");
+
+	launched_pretend();
+	suite_add(s, "chain", test_chain, SUBJECT_COUNT, 120);
+	return suite_run(s);
+}
