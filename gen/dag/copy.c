@@ -24,6 +24,8 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 	memcpy(out->rooms, d->rooms, sizeof out->rooms);
 	memcpy(out->puts, d->puts, sizeof out->puts);
 	out->put_count = d->put_count;
+	if (d->begin_count)
+		dag_loops_begin_rows(out, d->begins, d->begin_count);
 	out->run_count = d->run_count;
 	out->width = d->width;
 	out->is_each = d->is_each;
@@ -69,6 +71,7 @@ void dag_take(struct dag *d, const struct dag *from)
 	d->sections = copy_of(a, from->sections, from->section_count, sizeof *d->sections);
 	d->numbers = copy_of(a, from->numbers, from->number_count, sizeof *d->numbers);
 	d->lanes = copy_of(a, from->lanes, from->lane_count, sizeof *d->lanes);
+	d->begins = copy_of(a, from->begins, (size_t)from->begin_count, sizeof *d->begins);
 	d->lane_capacity = d->lane_count;
 	d->capacity = d->count;
 	d->output_capacity = d->output_count;

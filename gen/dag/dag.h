@@ -123,6 +123,7 @@ struct dag {
 	struct column_run runs[DAG_RUNS];
 	struct column_room rooms[DAG_LOOPS];
 	struct column_put puts[DAG_PUTS];
+	int *begins, begin_count; /* where the rows of these outputs begin, by coordinates */
 	int run_count, loop_count, put_count;
 	int is_wide;  /* while it is set, inputs are widened where they are read, and constants are wide */
 	size_t limit; /* nodes; 0: as many as memory holds */
@@ -174,6 +175,9 @@ static inline int dag_section_loops(const struct section *s)
 
 /* How many columns a loop goes over. */
 int dag_loop_columns(const struct dag *d, int loop);
+
+/* Where rows of the outputs begin into which elements are put. */
+void dag_loops_begin_rows(struct dag *d, const int *begins, int count);
 
 /* Put a row of the last loop's array into an output, when it has run. */
 void dag_loop_put(struct dag *d, const struct column_put *put);

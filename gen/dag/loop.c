@@ -38,6 +38,15 @@ int dag_loop_columns(const struct dag *d, int loop)
 	return count;
 }
 
+void dag_loops_begin_rows(struct dag *d, const int *begins, int count)
+{
+	d->begins = arena_take(d->arena, (size_t)count, sizeof *d->begins);
+	d->begin_count = d->begins ? count : 0;
+	d->failed |= !d->begins;
+	for (int i = 0; i < d->begin_count; i++)
+		d->begins[i] = begins[i];
+}
+
 void dag_loop_put(struct dag *d, const struct column_put *put)
 {
 	if (d->put_count == DAG_PUTS) {
@@ -55,7 +64,7 @@ int dag_loops_go_back(const struct dag *d)
 
 int dag_loops_in_place(const struct dag *d)
 {
-	return d->loop_count && !d->rooms[0].rows;
+	return d->loop_count && !d->rooms[d->loop_count - 1].rows;
 }
 
 size_t dag_loops_begin(const struct dag *d)

@@ -192,7 +192,8 @@ static void output_column(const struct forward *x, const struct ref *column, int
 	int nv = x->b->t->nv;
 
 	for (int i = 0; i < nv; i++)
-		if (x->coupled.row[i * nv + j] >= 0 && (!is_left || loops_read(x->b->loops, nv, i, j)))
+		if (x->coupled.row[i * nv + j] >= 0 && (!is_left || loops_read(x->b->loops, nv, i, j)) &&
+			!(x->b->way && way_back_makes(x->b->t, i, j)))
 			dag_output(x->b->d, argument, x->coupled.row[i * nv + j], column[i]);
 }
 
@@ -223,7 +224,7 @@ static int is_looped(const struct forward *x, int j)
 
 void forward_column(const struct forward *x, struct ref *column, int j, int argument)
 {
-	int is_left = is_looped(x, j) && !is_zero(column, x->b->t->nv);
+	int is_left = is_looped(x, j) && (x->b->way || !is_zero(column, x->b->t->nv));
 
 	if (is_left && x->b->loops->rooms) {
 		dag_section(x->b->d, SECTION_BY, tree_joint_of_row(x->b->t, j)->body);

@@ -14,7 +14,7 @@ static int first_coupled(const struct pattern *coupled, int j)
 
 int loops_read(const struct loops *x, int nv, int i, int j)
 {
-	return !x->is_in_place || x->related.row[i * nv + j] >= 0;
+	return !x->is_in_place || x->reads_all || x->related.row[i * nv + j] >= 0;
 }
 
 static const char COLUMNS[] = "columns";
@@ -61,12 +61,25 @@ void forward_leave_column(const struct forward *x, const struct ref *column, int
 
 	for (int i = 0; i < nv; i++) {
 		if (first[i] == first[j]) {
-			dag_output(d, columns, row, column[i]);
+			if (!x->b->way || column[i].i) /* the array is zero before */
+				dag_output(d, columns, row, column[i]);
 			row += r->room;
 		} else if (x->coupled.row[i * nv + j] >= 0) { /* zero, in a dense matrix */
 			dag_output(d, argument, x->coupled.row[i * nv + j], column[i]);
 		}
 	}
+}
+
+void forward_put_columns(const struct build *b, const int *arguments)
+{
+	int has_room = b->loops && b->loops->rooms;
+
+	for (enum by m = BY_Q; m <= BY_QD && b->way; m++) {
+		b->way->matrix[m].argument = arguments[m] >= 0 ? arguments[m] : has_room ? dag_find_argument(b->d, COLUMNS) : b->solved[m];
+		b->way->matrix[m].first = has_room && is_second(b, b->solved[m]) ? b->loops->rooms[0].rows : 0;
+	}
+	if (b->way)
+		b->way->is_negated = b->loops && b->loops->is_in_place;
 }
 
 /* A row of an array has room for so many columns more as fill the last vectors. */
@@ -230,14 +243,14 @@ static int pitch_of(const struct pattern *stored, const struct pattern *coupled,
 	return pitch;
 }
 
-/* For the columns of both gradients. */
-static void make_room(struct loops *x, const struct pattern *stored, const struct pattern *coupled, int first)
+/* For the columns of both gradients, or of one. */
+static void make_room(struct loops *x, const struct pattern *stored, const struct pattern *coupled, int first, int gradients)
 {
 	int rows = 0;
 
 	for (int i = 0; i < coupled->cols; i++)
 		rows += coupled->row[i * coupled->cols + first] >= 0;
-	x->rooms[first] = (struct column_room){.first = x->rows, .rows = rows, .room = room_for(2 * rows),
+	x->rooms[first] = (struct column_room){.first = x->rows, .rows = rows, .room = room_for(gradients * rows),
 		.pitch = pitch_of(stored, coupled, first)};
 	x->rows += x->rooms[first].room * rows;
 }
@@ -286,8 +299,23 @@ int forward_loops(struct loops *x, const struct tree *t, int dense, int is_in_pl
 		else
 			x->first[i] = is_in_place || (is_worth_it(x, &coupled, i, count, dense) && pitch_of(&stored, &coupled, i)) ? i : -1;
 		if (x->first[i] == i && !is_in_place)
-			make_room(x, &stored, &coupled, i);
+			make_room(x, &stored, &coupled, i, 2);
 		count += x->first[i] == i;
 	}
 	return count <= DAG_LOOPS ? count : 0;
+}
+
+int forward_loops_behind(struct loops *x, const struct tree *t, const struct request *k, int is_in_place, struct arena *a)
+{
+	int gradients = request_wants(k, WANT_DQDD_DQ) + request_wants(k, WANT_DQDD_DQD), nv = t->nv;
+	struct pattern coupled, stored;
+
+	*x = (struct loops){.is_in_place = is_in_place, .reads_all = 1, .first = arena_alloc(a, (size_t)nv, sizeof *x->first)};
+	x->rooms = is_in_place ? NULL : arena_alloc(a, (size_t)nv, sizeof *x->rooms);
+	if (!x->first || (!is_in_place && !x->rooms) || !pattern_make(&x->related, t, 0, 0, a) ||
+		!pattern_coupled(&coupled, t, 0, 0, a) || !pattern_coupled(&stored, t, 0, k->dense, a) || coupled.rows < nv * nv)
+		return 0;
+	if (!is_in_place)
+		make_room(x, &stored, &coupled, 0, gradients);
+	return 1;
 }

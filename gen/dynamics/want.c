@@ -140,6 +140,7 @@ static void begin_recursion(struct build *b, const struct tour *r)
 	b->recursion.has_coriolis = is_used[BY_CORIOLIS];
 	b->recursion.is_row_first = is_single(b);
 	b->recursion.way = b->way;
+	forward_put_columns(b, arguments);
 	b->recursion.is_in_lanes = b->loops && b->loops->is_in_lanes;
 	b->recursion.has_shifts = b->solved[BY_Q] >= 0 || b->solved[BY_QD] >= 0;
 }
@@ -372,8 +373,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	declare_request(&b);
 	if (is_single(&b))
 		forward_declare_columns(d, ways.loops);
-	if (b.way)
-		way_back_declare(b.way, d);
+	way_back_declare(b.way, d);
 	if (ways.pivots_alone) {
 		forward_find(&forward, &b, in);
 		forward_pivots(&forward, in);

@@ -131,13 +131,39 @@ int algorithm_build_looped(struct dag *d, const struct tree *t, const struct req
 	return 1;
 }
 
+static int has_floating(const struct tree *t)
+{
+	for (int i = 0; i < t->body_count; i++)
+		if (t->bodies[i].type == JOINT_FLOATING)
+			return 1;
+	return 0;
+}
+
+/* Where elements of d tau stand: in its matrices, in those of d qdd, or in the columns that are to be solved. */
+static int find_places(struct pattern *to, const struct tree *t, const struct request *k, const struct loops *loops, struct arena *a)
+{
+	if (!k->is_forward)
+		return pattern_make(to, t, 0, k->dense, a);
+	if (!pattern_coupled(to, t, 0, k->dense, a))
+		return 0;
+	for (int i = 0; i < t->nv && loops->rooms; i++)
+		for (int j = 0; j < t->nv; j++)
+			to->row[i * t->nv + j] = loops->rooms[0].first + i * loops->rooms[0].room + j;
+	return 1;
+}
+
 int algorithm_build_way_back(struct dag *d, const struct tree *t, const struct request *k, int is_batch)
 {
+	struct loops loops = {0};
 	struct way_back way;
+	struct pattern to;
 
-	if (k->derivatives == DERIVATIVES_FORWARD || k->is_forward || request_wants_any(k, IS_PRODUCT) ||
-		!way_back_begin(&way, t, k, is_batch, d->arena))
+	if (k->derivatives == DERIVATIVES_FORWARD || request_wants_any(k, IS_PRODUCT) || k->refine_steps ||
+		(k->is_forward && (k->dynamics == DYNAMICS_FACTOR || has_floating(t) || !articulated_serves(t) ||
+			!forward_loops_behind(&loops, t, k, is_batch, d->arena))) ||
+		!find_places(&to, t, k, &loops, d->arena) || !way_back_begin(&way, t, k, &to, is_batch))
 		return 0;
-	want_build_in(d, t, k, (struct ways){DERIVATIVES_RECURSION, DYNAMICS_FACTOR, 0, NULL, &way});
+	want_build_in(d, t, k, (struct ways){DERIVATIVES_RECURSION, k->is_forward ? DYNAMICS_ARTICULATED : DYNAMICS_FACTOR, 0,
+		k->is_forward ? &loops : NULL, &way});
 	return 1;
 }

@@ -288,7 +288,8 @@ static void put_limbs(const struct emission *e, const char *start, const struct 
 
 static const char *looped(const struct pass *p)
 {
-	return dag_loops_go_back(&p->dag) ? "the coordinates beyond a link" : "such columns";
+	return !dag_loops_go_back(&p->dag) ? "such columns"
+		: p->dag.run_count ? "the coordinates beyond a link, and over such columns" : "the coordinates beyond a link";
 }
 
 static void put_many(const struct pass *many, struct text *out)

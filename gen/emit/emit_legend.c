@@ -175,7 +175,8 @@ static void put_columns(const struct pass *p, struct text *out)
 		put_entry("carried column", "what coordinates carry on their way back to the base; that of the first of them", out);
 		put_entry("sn sm sf", "of a coordinate at the link: what it feels of a field is sn.alpha + sm.beta + sf.gamma", out);
 		put_entry("fq nq fd nd", "force and moment on the links beyond, by its q and by its qd", out);
-		return;
+		if (!p->single->dag.run_count)
+			return;
 	}
 	if (p->many)
 		put_entry("column", "in a batch, a column of a derivative of qdd, in its place", out);

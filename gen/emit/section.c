@@ -103,7 +103,8 @@ static void put_formula(struct unparser *u, const struct section *s, struct text
 	enum kind_of_joint joint = about_body ? kind_of(&u->emission->tree->bodies[s->body]) : TURNS;
 	unsigned char *written = &u->written[s->kind][joint];
 
-	if (*written & (1 << rests) || (!about_body && !OTHERS[s->kind]))
+	if (*written & (1 << rests) || (!about_body && !OTHERS[s->kind]) ||
+		(s->kind == SECTION_COLUMNS && dag_loops_go_back(u->plan->dag)))
 		return;
 	*written |= (unsigned char)(1 << rests);
 	text_put(out, "\t/* ");
@@ -139,13 +140,20 @@ static const char *const ABOUT[SECTION_COUNT] = {[SECTION_BY] = "derivatives by"
 static const char *const ABOUT_LINKS[SECTION_COUNT] = {[SECTION_PLACE] = "place of", [SECTION_WAY] = "coordinates go back from",
 	[SECTION_JACOBIAN] = "Jacobian of what is on", [SECTION_SUBTREE] = "back from", [SECTION_OPSPACE] = "inertia felt on"};
 
+/* Columns behind coordinates that go back in loops are solved without factors. */
+static const char *title_of(const struct pass *pass, const struct section *s)
+{
+	return s->kind == SECTION_COLUMNS && dag_loops_go_back(&pass->dag)
+		? "a column of the derivatives of qdd, from -d ID, by articulated bodies" : SECTION_TITLES[s->kind];
+}
+
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
 static void put_title(const struct emission *e, const struct pass *pass, const struct section *s, struct text *out)
 {
 	const struct body *k = &e->tree->bodies[s->body];
 
 	if (SECTION_TITLES[s->kind]) {
-		text_printf(out, "\n\t/* ---- %s ---- */\n", SECTION_TITLES[s->kind]);
+		text_printf(out, "\n\t/* ---- %s ---- */\n", title_of(pass, s));
 		return;
 	}
 	if (ABOUT[s->kind]) {

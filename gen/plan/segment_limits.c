@@ -124,14 +124,15 @@ int segments_may_differ(const struct rneagen_options *o)
 		(o->precision == RNEAGEN_F32 || o->precision == RNEAGEN_F64);
 }
 
-/* Outputs that are always zero are stored in a loop: among lines a compiler looks at each beside all others. Those of loops over
-   columns stay. */
+/* Outputs that are always zero are stored in a loop: among lines a compiler looks at each beside all others. Those of loops, and
+   of what they read, stay. */
 static int take_zeros(struct pass *s, struct arena *a)
 {
 	struct output *zeros = arena_alloc(a, s->dag.output_count, sizeof *zeros);
 
 	for (size_t i = 0; i < s->dag.output_count && zeros; i++)
-		if (s->dag.outputs[i].argument < DAG_COLUMN && output_is_zero(&s->dag, &s->dag.outputs[i])) {
+		if (s->dag.outputs[i].argument < DAG_COLUMN && !s->dag.arguments[s->dag.outputs[i].argument].per_batch &&
+			output_is_zero(&s->dag, &s->dag.outputs[i])) {
 			zeros[s->zero_count++] = s->dag.outputs[i];
 			s->dag.outputs[i].argument = DAG_UNSTORED;
 		}
@@ -182,8 +183,7 @@ int segments_once_more(struct pass **made, const struct pass *p, segments_build 
 
 static int build_looped(struct dag *d, const struct pass *p, const struct request *k)
 {
-	return k->is_forward ? algorithm_build_looped(d, p->plan.tree, k, LOOPED_SINGLE)
-		: algorithm_build_way_back(d, p->plan.tree, k, 0);
+	return algorithm_build_way_back(d, p->plan.tree, k, 0) || algorithm_build_looped(d, p->plan.tree, k, LOOPED_SINGLE);
 }
 
 /* A loop's body is told what goes across, and its column; so it must read some of these values, and no input. */
@@ -225,8 +225,7 @@ enum { MANY_LEAST = 60000, MANY_LEAST_AOS = 100000 };
 
 static int build_many(struct dag *d, const struct pass *p, const struct request *k)
 {
-	return k->is_forward ? algorithm_build_looped(d, p->plan.tree, k, LOOPED_BATCH)
-		: algorithm_build_way_back(d, p->plan.tree, k, 1);
+	return algorithm_build_way_back(d, p->plan.tree, k, 1) || algorithm_build_looped(d, p->plan.tree, k, LOOPED_BATCH);
 }
 
 /* In aos, from a sample to the next: the same for all matrices of a loop. */
@@ -244,7 +243,7 @@ int segments_many(struct pass *p, const struct request *k, const struct rneagen_
 	unsigned least = o->layout == RNEAGEN_SOA ? MANY_LEAST : MANY_LEAST_AOS;
 	struct pass *s;
 
-	if (!p->single || (k->is_forward && plan_flops(plan_operations(&p->plan)) < least))
+	if (!p->single || (!dag_loops_go_back(&p->single->dag) && plan_flops(plan_operations(&p->plan)) < least))
 		return !a->failed;
 	if (!segments_once_more(&s, p, build_many, k->is_forward ? "fd_many" : "rnea_many", k, o, a))
 		return 0;

@@ -227,6 +227,28 @@ static void add_readings(const struct cutter *c, struct plan *p, uint32_t line, 
 	}
 }
 
+static int is_way(const struct cutter *c, uint32_t first)
+{
+	const struct line *l = &c->p->lines[first];
+
+	return l->kind == LINE_SECTION && c->p->dag->sections[l->index].kind == SECTION_WAY;
+}
+
+/* What a coordinate carries is all read before the first of it is written anew. */
+static void add_carried(const struct cutter *c, struct plan *p, uint32_t first, uint32_t end, uint32_t segment)
+{
+	const struct readings *r = &c->readings;
+
+	for (uint32_t i = r->begin[first]; i < r->begin[end] && is_way(c, first); i++) {
+		struct ref x = {r->list[i].node};
+
+		if (is_input(c, x.i) && c->seen[x.i] != segment + 1) {
+			c->seen[x.i] = segment + 1;
+			add(p, LINE_INPUT, x, 0);
+		}
+	}
+}
+
 static void add_line(const struct cutter *c, struct plan *p, uint32_t line, uint32_t segment)
 {
 	const struct line *l = &c->p->lines[line];
@@ -259,6 +281,8 @@ static void make_plans(struct cutter *c, struct segments *s)
 		*p = *c->p;
 		p->line_count = 0;
 		p->lines = arena_take(c->a, most_lines(c, first, end), sizeof *p->lines);
+		if (p->lines)
+			add_carried(c, p, first, end, k);
 		for (uint32_t i = first; i < end && p->lines; i++)
 			add_line(c, p, i, k);
 	}

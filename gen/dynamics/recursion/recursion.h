@@ -35,6 +35,11 @@ struct way_back {
 	int rows, places;      /* of each place; with as many more as a vector may reach over */
 	int carried, elements; /* of the rows: what a coordinate carries; what the joint and it make the other feel */
 	int is_wanted[2];      /* d tau/d q, d tau/d qd */
+	struct pattern to;     /* where elements are to stand */
+	struct {
+		int argument, first;
+	} matrix[2];           /* in what, by q and by qd, and from which element on */
+	int is_negated;        /* -d tau is to stand there */
 	int is_batch;          /* samples are side by side, not coordinates */
 	int loop, here;        /* while one is made: its number, -1 for none; the body to which it comes, -1: none is made */
 };
@@ -91,8 +96,9 @@ void recursion_go_on(struct recursion *x, int body);
 /* The same in loops (recursion_loops.c). Returns 0 where that does not serve the request. Its array; what
    coordinate i carries when it sets out; what all coordinates share on their way from a body; an element, while a loop is made;
    and the loops, behind all else. */
-int way_back_begin(struct way_back *w, const struct tree *t, const struct request *k, int is_batch, struct arena *a);
-void way_back_declare(struct way_back *w, struct dag *d);
+int way_back_begin(struct way_back *w, const struct tree *t, const struct request *k, const struct pattern *to, int is_batch);
+int way_back_makes(const struct tree *t, int i, int j); /* do loops make element (i, j)? */
+void way_back_declare(struct way_back *w, struct dag *d); /* NULL: nothing */
 void recursion_set_out(struct recursion *x, int body, int i, const struct row_vectors *s, const struct wrench *w);
 void recursion_prepare(struct recursion *x, int body);
 void recursion_put_element(struct recursion *x, enum by by, int i, int j, struct ref e);

@@ -51,12 +51,16 @@ static int is_even(const struct pattern *p, int j, int first, int rows)
 	return 1;
 }
 
+/* Torques and their gradients, or accelerations and theirs. */
 static int are_wanted(const struct request *k)
 {
+	static const enum want_kind kinds[][3] = {{WANT_TAU, WANT_DTAU_DQ, WANT_DTAU_DQD}, {WANT_QDD, WANT_DQDD_DQ, WANT_DQDD_DQD}};
+	const enum want_kind *may = kinds[k->is_forward];
+
 	for (int i = 0; i < k->want_count; i++)
-		if (k->wants[i].kind != WANT_TAU && k->wants[i].kind != WANT_DTAU_DQ && k->wants[i].kind != WANT_DTAU_DQD)
+		if (k->wants[i].kind != may[0] && k->wants[i].kind != may[1] && k->wants[i].kind != may[2])
 			return 0;
-	return request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD);
+	return request_wants(k, may[1]) || request_wants(k, may[2]);
 }
 
 /* So many elements of a loop for each row of the joint to which it comes. */
@@ -84,10 +88,8 @@ static int is_regular(const struct tree *t, const struct pattern *p, int body)
 	return rows > 0;
 }
 
-/* How many coordinates a loop has in the mean at least. Gradients of chains over their straight lines (Zen 5, gcc 12 at -O3,
-   f64): one call, batches; seconds to compile, from and to. 25 joints, 12 in the mean: 0.98, 1.56; 9.0, 4.1. 40, 20: 0.77, 1.10;
-   21.5, 6.4. 60, 30: 0.55, 1.05; 46, 8.8. chain_75, which has branches, 26: 0.48, 1.09; 52, 10.8. But g1_brainco, each joint of
-   its own, 8: 1.83, 1.34; 19.7, 9.6. */
+/* How many coordinates a loop has in the mean at least (../README.md, "Two ways to a derivative"). Each joint of g1_brainco on its
+   own has 8: gradients of the torques take 1.83 of the time of lanes for a call, 1.34 for batches. */
 enum { COORDINATES_LEAST = 20 };
 
 /* Are there few enough loops, of coordinates enough? */
@@ -120,27 +122,46 @@ static void make_room(struct way_back *w, const struct tree *t)
 	w->places = w->is_batch ? t->nv : (t->nv + 2 * DAG_COLUMNS_UNIT - 2) / DAG_COLUMNS_UNIT * DAG_COLUMNS_UNIT;
 }
 
-int way_back_begin(struct way_back *w, const struct tree *t, const struct request *k, int is_batch, struct arena *a)
+int way_back_begin(struct way_back *w, const struct tree *t, const struct request *k, const struct pattern *to, int is_batch)
 {
-	struct pattern p;
-
-	*w = (struct way_back){.argument = -1, .here = -1, .is_batch = is_batch};
-	w->is_wanted[BY_Q] = request_wants(k, WANT_DTAU_DQ);
-	w->is_wanted[BY_QD] = request_wants(k, WANT_DTAU_DQD);
-	if (t->mimic_count || !are_wanted(k) || k->stored_count < k->want_count || !is_worth_it(w, t) ||
-		!pattern_make(&p, t, 0, k->dense, a))
+	*w = (struct way_back){.argument = -1, .here = -1, .is_batch = is_batch, .to = *to};
+	w->is_wanted[BY_Q] = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DQDD_DQ);
+	w->is_wanted[BY_QD] = request_wants(k, WANT_DTAU_DQD) || request_wants(k, WANT_DQDD_DQD);
+	if (t->mimic_count || !are_wanted(k) || k->stored_count < k->want_count || !is_worth_it(w, t))
 		return 0;
 	for (int body = 0; body < t->body_count; body++)
-		if (!is_regular(t, &p, body))
+		if (!is_regular(t, to, body))
 			return 0;
 	make_room(w, t);
 	return 1;
 }
 
+int way_back_makes(const struct tree *t, int i, int j)
+{
+	int a = tree_joint_of_row(t, i)->body, b = tree_joint_of_row(t, j)->body, low = a < b ? a : b, high = a < b ? b : a;
+
+	while (high > low)
+		high = t->bodies[high].parent;
+	return a != b && high == low;
+}
+
 void way_back_declare(struct way_back *w, struct dag *d)
 {
+	if (!w)
+		return;
 	w->argument = dag_argument_of(d, (struct argument){.name = "carried", .rows = w->rows * w->places, .is_output = 1,
 		.per_batch = 1, .role = ROLE_UNKNOWN, .of = ""});
+}
+
+static void tell_begins(const struct way_back *w, struct dag *d)
+{
+	int *begins = arena_take(d->arena, (size_t)w->to.lines, sizeof *begins);
+
+	for (int i = 0; i < w->to.lines && begins; i++)
+		begins[i] = pattern_row_begins(&w->to, i);
+	if (begins)
+		dag_loops_begin_rows(d, begins, w->to.lines);
+	d->failed |= !begins;
 }
 
 /* Where a row of a place is. A batch has those of a place together: else they are apart by powers of two, and share a few lines
@@ -191,13 +212,12 @@ void recursion_put_element(struct recursion *x, enum by by, int i, int j, struct
 	int is_down = j >= k->iv && j < k->iv + joint_nv(k->type), nv = x->r->t->nv;
 	int number = (is_down ? j : i) - k->iv, second = by == BY_QD && w->is_wanted[BY_Q];
 	int row = w->carried + number * elements_each(w) + 2 * second + !is_down;
-	const struct pattern *p = &x->by[by].p;
 
 	if (w->loop < 0 || !w->is_wanted[by])
 		return;
-	dag_output(x->r->d, DAG_COLUMN + w->loop, at(w, row, 0), e);
-	dag_loop_put(x->r->d, &(struct column_put){.row = row, .argument = x->by[by].argument, .is_down = is_down,
-		.first = p->row[i * nv + j] - (is_down ? pattern_row_begins(p, i) : 0)});
+	dag_output(x->r->d, DAG_COLUMN + w->loop, at(w, row, 0), w->is_negated ? dag_neg(x->r->d, e) : e);
+	dag_loop_put(x->r->d, &(struct column_put){.row = row, .argument = w->matrix[by].argument, .is_down = is_down,
+		.first = w->matrix[by].first + w->to.row[i * nv + j] - (is_down ? pattern_row_begins(&w->to, i) : 0)});
 }
 
 static void name_vectors(const struct recursion *x, const struct carried_vector *vectors, int count, int body)
@@ -219,7 +239,7 @@ static void walk(struct recursion *x, int body, int loop)
 	w->loop = loop;
 	w->here = parent;
 	for (int k = 0; k < 3 * count; k++)
-		vectors[k / 3].at->x[k % 3] = dag_input(d, loop < 0 ? DAG_HELD : DAG_COLUMN + loop, at(w, k, 0));
+		vectors[k / 3].at->x[k % 3] = dag_input(d, loop < 0 ? DAG_STRUCK : DAG_COLUMN + loop, at(w, k, 0));
 	name_vectors(x, vectors, count, body);
 	step(x, body, &one);
 	name_vectors(x, vectors, count, parent);
@@ -258,6 +278,7 @@ static void loop_from(struct recursion *x, int body)
 
 void recursion_loop(struct recursion *x)
 {
+	tell_begins(x->way, x->r->d);
 	for (int body = 0; body < x->r->t->body_count; body++)
 		if (x->r->t->bodies[body].parent < 0)
 			loop_from(x, body);

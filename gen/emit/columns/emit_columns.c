@@ -68,9 +68,20 @@ static void write_columns(struct writer *w, int is_over)
 	w->own.is_over_columns = is_over;
 }
 
-static const char *what_text(const struct pass *p, int is_row)
+static int is_way(const struct pass *p, int loop)
 {
-	if (dag_loops_go_back(&p->dag))
+	return p->dag.rooms[loop].columns > 0;
+}
+
+/* Is it the last loop of its kind? */
+static int is_last(const struct pass *p, int loop)
+{
+	return loop == p->dag.loop_count - 1 || is_way(p, loop) != is_way(p, loop + 1);
+}
+
+static const char *what_text(const struct pass *p, int loop, int is_row)
+{
+	if (is_way(p, loop))
 		return is_row ? "coordinates side by side, from a link to the one before" : "a coordinate, from a link to the one before";
 	return is_row ? "d qdd = -M^-1 of the columns of d tau, in their place" : "d qdd = M^-1 of a column that stands in its place";
 }
@@ -84,7 +95,7 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
 		{"PITCH", pitch_text(e, p, loop_of(p, segment))}, {"LANES", emit_int(e, emit_lanes(e, s))}, {"SEGMENT", emit_int(e, segment)},
 		{"COUNT", emit_int(e, s->count)}, {"UNUSED", unused_text(e, &s->plans[segment])},
-		{"NUMBER", emit_int(e, loop_of(p, segment))}, {"WHAT", what_text(p, is_row)},
+		{"NUMBER", emit_int(e, loop_of(p, segment))}, {"WHAT", what_text(p, loop_of(p, segment), is_row)},
 		{"COLUMNS", emit_int(e, dag_loop_columns(&p->dag, loop_of(p, segment)))}};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;
 	const char *frame = is_many ? template_segment_columns_many_in
@@ -103,9 +114,9 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 	template_expand(out, rest, slots, count);
 	if (is_row)
 		template_expand(out, template_segment_columns_row_in, slots, count);
-	if (dag_loops_go_back(&p->dag) && segment == s->count - 1)
+	if (is_way(p, loop_of(p, segment)) && is_last(p, loop_of(p, segment)))
 		emit_way_functions(e, p, out);
-	else if (is_row && segment == s->count - 1)
+	else if (is_row && is_last(p, loop_of(p, segment)))
 		template_expand(out, template_segment_columns_put_in, slots, count);
 	fold(out, from);
 }
@@ -125,14 +136,17 @@ const char *emit_columns_many_declarations(const struct emission *e, const struc
 
 const char *emit_columns_declaration(const struct emission *e, const struct pass *p)
 {
-	const struct argument *columns = &p->dag.arguments[p->dag.rooms[0].argument];
+	int last = p->dag.loop_count - 1;
+	const struct argument *columns = last < 0 ? NULL : &p->dag.arguments[p->dag.rooms[last].argument];
 	struct text t;
 
 	text_init(&t, e->arena);
+	if (columns && !is_way(p, last))
+		text_printf(&t, "\t%s %s[%d];\n", e->memory->type, columns->name, columns->rows);
 	if (dag_loops_go_back(&p->dag))
 		emit_way_declaration(e, p, &t);
-	else if (p->dag.loop_count)
-		text_printf(&t, "\t%s %s[%d];\n", e->memory->type, columns->name, columns->rows);
+	if (dag_loops_go_back(&p->dag) && !is_way(p, last))
+		text_printf(&t, "\tfor (size_t i = 0; i < %d; i++)\n\t\t%s[i] = 0;\n", columns->rows, columns->name);
 	return text_string(&t);
 }
 
@@ -177,7 +191,7 @@ void emit_columns_calls(const struct emission *e, const struct pass *p, int segm
 {
 	int loop = loop_of(p, segment);
 
-	if (dag_loops_go_back(&p->dag)) {
+	if (is_way(p, loop)) {
 		emit_way_calls(e, p, loop, out);
 		return;
 	}
@@ -215,7 +229,7 @@ void emit_columns_many_calls(const struct emission *e, const struct pass *p, int
 {
 	int loop = loop_of(p, segment), is_soa = e->options->layout == RNEAGEN_SOA;
 
-	if (dag_loops_go_back(&p->dag)) {
+	if (is_way(p, loop)) {
 		emit_way_many_calls(e, p, loop, out);
 		return;
 	}

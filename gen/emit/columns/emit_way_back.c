@@ -5,7 +5,6 @@
 #include "emit/columns/emit_columns.h"
 #include "emit/columns/emit_way_back.h"
 #include "emit/target_type.h"
-#include "tree/pattern.h"
 
 static const struct column_room *room_of(const struct pass *p, int loop)
 {
@@ -47,16 +46,13 @@ static const char *pitch_text(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-static const char *row_begins(const struct emission *e)
+static const char *row_begins(const struct emission *e, const struct pass *p)
 {
-	struct pattern p;
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (!pattern_make(&p, e->tree, 0, e->request->dense, e->arena))
-		t.failed = 1;
-	for (int i = 0; i < e->tree->nv && !t.failed; i++)
-		text_printf(&t, "%s%d", i ? ", " : "", pattern_row_begins(&p, i));
+	for (int i = 0; i < p->dag.begin_count; i++)
+		text_printf(&t, "%s%d", i ? ", " : "", p->dag.begins[i]);
 	return text_string(&t);
 }
 
@@ -65,7 +61,7 @@ void emit_way_functions(const struct emission *e, const struct pass *p, struct t
 	const struct column_room *r = room_of(p, 0);
 	int rows = p->dag.arguments[r->argument].rows / r->room, samples = samples_of(e, p);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
-		{"BEGINS", row_begins(e)}, {"WHOSE", r->is_batch ? "several samples" : "one sample"}, {"LANES", emit_int(e, samples)},
+		{"BEGINS", row_begins(e, p)}, {"WHOSE", r->is_batch ? "several samples" : "one sample"}, {"LANES", emit_int(e, samples)},
 		{"PITCH", pitch_text(e, p)}, {"STEP", emit_int(e, r->is_batch ? r->room * samples : 1)},
 		{"CARRIED", emit_int(e, r->rows)}, {"ROOM", emit_int(e, r->room)}, {"FROM", emit_int(e, rows - r->rows)}};
 
@@ -105,6 +101,8 @@ static void put_puts(const struct emission *e, const struct pass *p, int loop, c
 	const struct column_room *r = room_of(p, loop);
 	const char *name = e->options->name, *pass = p->algorithm->name;
 
+	if (p->dag.arguments[p->dag.puts[0].argument].per_batch) /* columns that are solved then, side by side */
+		step = "";
 	for (const struct column_put *x = p->dag.puts; x < p->dag.puts + p->dag.put_count; x++) {
 		if (x->loop != loop)
 			continue;

@@ -120,5 +120,7 @@ int lanes_single(struct pass *p, const struct request *k, const struct rneagen_o
 {
 	if (!segments_single(p, k, o, a) || (!o->only_rnea && !segments_many(p, k, o, a)))
 		return 0;
-	return may_have_lanes(k, o) ? make_beside(p, k, o, a) : !a->failed;
+	if (!may_have_lanes(k, o) || (p->single && dag_loops_go_back(&p->single->dag)))
+		return !a->failed;
+	return make_beside(p, k, o, a);
 }
