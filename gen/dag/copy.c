@@ -24,8 +24,8 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 	memcpy(out->rooms, d->rooms, sizeof out->rooms);
 	memcpy(out->puts, d->puts, sizeof out->puts);
 	out->put_count = d->put_count;
-	if (d->begin_count)
-		dag_loops_begin_rows(out, d->begins, d->begin_count);
+	if (d->begin_count && dag_loops_begin_rows(out, d->begin_count))
+		memcpy(out->begins, d->begins, (size_t)d->begin_count * sizeof *d->begins);
 	out->run_count = d->run_count;
 	out->width = d->width;
 	out->is_each = d->is_each;

@@ -241,6 +241,10 @@ void dag_strike(struct dag *d, int argument)
 	}
 	for (size_t i = 0; i < d->output_count; i++)
 		d->outputs[i].argument -= d->outputs[i].argument > argument && d->outputs[i].argument < DAG_COLUMN;
+	for (int i = 0; i < d->loop_count; i++)
+		d->rooms[i].argument -= d->rooms[i].argument > argument;
+	for (int i = 0; i < d->put_count; i++)
+		d->puts[i].argument -= d->puts[i].argument > argument;
 	d->argument_count--;
 	memmove(d->arguments + argument, d->arguments + argument + 1,
 		(size_t)(d->argument_count - argument) * sizeof *d->arguments);

@@ -80,12 +80,14 @@ struct column_run {
 };
 
 /* Where a loop's columns stand side by side in an array of their own: `rows` rows from row `first` of this argument on, with room
-   for so many columns each; and from one row to the next in the output. No room: they stand in the output itself. */
+   for so many columns each; and from one row to the next in the output. No room: they stand in the output itself.
+   Of coordinates on their way back to the base `first` is the first one's place, `rows` are what each carries, and the array is of
+   `room` places for each row; or in a batch of `room` rows for each place. */
 struct column_room {
 	int argument, first, rows, room, pitch;
-	int is_batch; /* they stand one after the other, with `room` rows each, and are of several samples */
-	int columns, own; /* of coordinates on their way back to the base: how many, and those that set out here; else 0, and runs tell */
-	int body;         /* that these leave */
+	int is_batch;     /* each place has its rows together, and is of several samples */
+	int columns, own; /* so many coordinates, of which these set out here; 0: they are none, and runs tell how many columns */
+	int body;         /* that coordinates leave */
 };
 
 /* Row `row` of a loop's array, put into an output when the loop has run: side by side from element `first` on; or `is_down`, each
@@ -100,7 +102,7 @@ enum { DAG_COLUMNS_UNIT = 8 };
 /* Readings of inputs are those of a loop over limbs from its number times this on. */
 enum { DAG_EACH = 1 << 16 };
 
-enum { DAG_RUNS = 256, DAG_LOOPS = 128, DAG_PUTS = 640 };
+enum { DAG_RUNS = 256, DAG_LOOPS = 256, DAG_PUTS = 1152 };
 
 struct dag {
 	struct arena *arena;
@@ -176,8 +178,8 @@ static inline int dag_section_loops(const struct section *s)
 /* How many columns a loop goes over. */
 int dag_loop_columns(const struct dag *d, int loop);
 
-/* Where rows of the outputs begin into which elements are put. */
-void dag_loops_begin_rows(struct dag *d, const int *begins, int count);
+/* Room for where so many rows of the outputs begin into which elements are put; NULL when memory runs out. */
+int *dag_loops_begin_rows(struct dag *d, int count);
 
 /* Put a row of the last loop's array into an output, when it has run. */
 void dag_loop_put(struct dag *d, const struct column_put *put);

@@ -38,13 +38,12 @@ int dag_loop_columns(const struct dag *d, int loop)
 	return count;
 }
 
-void dag_loops_begin_rows(struct dag *d, const int *begins, int count)
+int *dag_loops_begin_rows(struct dag *d, int count)
 {
 	d->begins = arena_take(d->arena, (size_t)count, sizeof *d->begins);
 	d->begin_count = d->begins ? count : 0;
 	d->failed |= !d->begins;
-	for (int i = 0; i < d->begin_count; i++)
-		d->begins[i] = begins[i];
+	return d->begins;
 }
 
 void dag_loop_put(struct dag *d, const struct column_put *put)

@@ -89,10 +89,11 @@ void forward_leave_column(const struct forward *x, const struct ref *column, int
 /* The loops, which come last: M^-1 of each column in its place. */
 void forward_loop(const struct forward *x);
 
-/* One loop over all columns, behind those of coordinates on their way back to the base, where all joints feel each other; else 0. What
-   these put, if there are such, goes into columns of d tau, or, where no loop follows, into `arguments`, by matrix. */
+/* One loop over all columns, behind those of coordinates on their way back to the base; 0: not all joints feel each other. */
 int forward_loops_behind(struct loops *x, const struct tree *t, const struct request *k, int is_in_place, struct arena *a);
-void forward_put_columns(const struct build *b, const int *arguments);
+
+/* Where there are such, they put elements of d tau into the columns of that loop, or, without it, into `arguments`, by matrix. */
+void forward_tell_matrices(const struct build *b, const int *arguments);
 
 /* Which rows are worth one, where matrices are sparse or dense; in place all of them. Returns how many loops that makes; 0 also
    when memory runs out, or there are more than a DAG may have. */

@@ -70,16 +70,17 @@ void forward_leave_column(const struct forward *x, const struct ref *column, int
 	}
 }
 
-void forward_put_columns(const struct build *b, const int *arguments)
+void forward_tell_matrices(const struct build *b, const int *arguments)
 {
 	int has_room = b->loops && b->loops->rooms;
 
-	for (enum by m = BY_Q; m <= BY_QD && b->way; m++) {
+	if (!b->way)
+		return;
+	for (enum by m = BY_Q; m <= BY_QD; m++) {
 		b->way->matrix[m].argument = arguments[m] >= 0 ? arguments[m] : has_room ? dag_find_argument(b->d, COLUMNS) : b->solved[m];
 		b->way->matrix[m].first = has_room && is_second(b, b->solved[m]) ? b->loops->rooms[0].rows : 0;
 	}
-	if (b->way)
-		b->way->is_negated = b->loops && b->loops->is_in_place;
+	b->way->is_negated = b->loops && b->loops->is_in_place;
 }
 
 /* A row of an array has room for so many columns more as fill the last vectors. */
@@ -312,8 +313,8 @@ int forward_loops_behind(struct loops *x, const struct tree *t, const struct req
 
 	*x = (struct loops){.is_in_place = is_in_place, .reads_all = 1, .first = arena_alloc(a, (size_t)nv, sizeof *x->first)};
 	x->rooms = is_in_place ? NULL : arena_alloc(a, (size_t)nv, sizeof *x->rooms);
-	if (!x->first || (!is_in_place && !x->rooms) || !pattern_make(&x->related, t, 0, 0, a) ||
-		!pattern_coupled(&coupled, t, 0, 0, a) || !pattern_coupled(&stored, t, 0, k->dense, a) || coupled.rows < nv * nv)
+	if (!x->first || (!is_in_place && !x->rooms) || !pattern_coupled(&coupled, t, 0, 0, a) ||
+		!pattern_coupled(&stored, t, 0, k->dense, a) || coupled.rows < nv * nv)
 		return 0;
 	if (!is_in_place)
 		make_room(x, &stored, &coupled, 0, gradients);

@@ -96,18 +96,18 @@ static int output_of(const struct build *b, enum want_kind kind)
 	return -1;
 }
 
-/* May the recursion write it? It always makes M and the Coriolis matrix. By q, it knows nothing of wrenches that stay as they are
+/* The recursion always makes M and the Coriolis matrix. By q, it knows nothing of wrenches that stay as they are
    in the world; and a body that floats between others it takes to be turned by a quaternion of norm one. */
-static int is_recursive(const struct build *b, enum want_kind kind)
+int want_is_recursive(const struct tree *t, const struct request *k, enum derivatives derivatives, enum want_kind kind)
 {
 	if (kind == WANT_MASS || kind == WANT_CORIOLIS)
 		return 1;
-	for (int i = 0; i < b->t->body_count; i++)
-		if (b->t->bodies[i].type == JOINT_FLOATING && b->t->bodies[i].parent >= 0)
+	for (int i = 0; i < t->body_count; i++)
+		if (t->bodies[i].type == JOINT_FLOATING && t->bodies[i].parent >= 0)
 			return 0;
-	if (kind == WANT_DTAU_DQ && b->k->push_count && b->k->in_world)
+	if (kind == WANT_DTAU_DQ && k->push_count && k->in_world)
 		return 0;
-	return b->derivatives != DERIVATIVES_FORWARD;
+	return derivatives != DERIVATIVES_FORWARD;
 }
 
 /* What a recursion by q, qd and qdd writes, or what is solved with it. */
@@ -125,7 +125,7 @@ static void begin_recursion(struct build *b, const struct tour *r)
 	int arguments[BY_COUNT], is_used[BY_COUNT];
 
 	for (enum by by = BY_Q; by < BY_COUNT; by++) {
-		int serves = is_recursive(b, BY_RECURSION[by]);
+		int serves = want_is_recursive(b->t, b->k, b->derivatives, BY_RECURSION[by]);
 
 		arguments[by] = serves ? output_of(b, BY_RECURSION[by]) : -1;
 		b->solved[by] = serves ? output_of(b, SOLVED[by]) : -1;
@@ -140,7 +140,7 @@ static void begin_recursion(struct build *b, const struct tour *r)
 	b->recursion.has_coriolis = is_used[BY_CORIOLIS];
 	b->recursion.is_row_first = is_single(b);
 	b->recursion.way = b->way;
-	forward_put_columns(b, arguments);
+	forward_tell_matrices(b, arguments);
 	b->recursion.is_in_lanes = b->loops && b->loops->is_in_lanes;
 	b->recursion.has_shifts = b->solved[BY_Q] >= 0 || b->solved[BY_QD] >= 0;
 }

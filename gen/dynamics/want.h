@@ -42,6 +42,9 @@ struct ways {
 
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways);
 
+/* May the recursion write it, where derivatives are made so? */
+int want_is_recursive(const struct tree *t, const struct request *k, enum derivatives derivatives, enum want_kind kind);
+
 /* A tour of the scene's robot, with what it frees and gravity as it has it. */
 struct tour want_tour(struct build *b, struct joint_inputs in);
 

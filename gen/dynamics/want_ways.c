@@ -88,20 +88,24 @@ static void build_cheapest(struct dag *d, const struct tree *t, const struct req
 
 /* Where nothing of q, qd or qdd is read, there is no such input: torques are differentiated by it all the same, so that is known
    when all is made. Forward dynamics always takes q, qd and tau. */
-void want_build(struct dag *d, const struct tree *t, const struct request *k)
+static void strike_unread(struct dag *d, const struct request *k)
 {
-	struct use x;
+	struct use x = use_of(d);
 
-	if (takes_factors(k) && singular_find(d, t, k))
-		return;
-	build_cheapest(d, t, k);
-	x = use_of(d);
 	for (int i = 0; i < 3 && !k->is_forward && !d->failed; i++) {
 		int argument = dag_find_role(d, STATE[i], 0);
 
 		if (argument >= 0 && !x.is_read[i])
 			dag_strike(d, argument);
 	}
+}
+
+void want_build(struct dag *d, const struct tree *t, const struct request *k)
+{
+	if (takes_factors(k) && singular_find(d, t, k))
+		return;
+	build_cheapest(d, t, k);
+	strike_unread(d, k);
 }
 
 /* Is nothing wanted but qdd and its derivatives by q and qd? */
@@ -131,16 +135,9 @@ int algorithm_build_looped(struct dag *d, const struct tree *t, const struct req
 	return 1;
 }
 
-static int has_floating(const struct tree *t)
-{
-	for (int i = 0; i < t->body_count; i++)
-		if (t->bodies[i].type == JOINT_FLOATING)
-			return 1;
-	return 0;
-}
-
 /* Where elements of d tau stand: in its matrices, in those of d qdd, or in the columns that are to be solved. */
-static int find_places(struct pattern *to, const struct tree *t, const struct request *k, const struct loops *loops, struct arena *a)
+static int find_places(struct pattern *to, const struct tree *t, const struct request *k, const struct loops *loops,
+	struct arena *a)
 {
 	if (!k->is_forward)
 		return pattern_make(to, t, 0, k->dense, a);
@@ -152,18 +149,30 @@ static int find_places(struct pattern *to, const struct tree *t, const struct re
 	return 1;
 }
 
+/* Does the recursion make all gradients that are wanted, and, of accelerations, do articulated bodies solve their columns? */
+static int may_go_back(const struct tree *t, const struct request *k)
+{
+	int by_q = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DQDD_DQ);
+
+	if (k->derivatives == DERIVATIVES_FORWARD || request_wants_any(k, IS_PRODUCT) || k->refine_steps ||
+		!want_is_recursive(t, k, DERIVATIVES_RECURSION, by_q ? WANT_DTAU_DQ : WANT_DTAU_DQD))
+		return 0;
+	return !k->is_forward ||
+		(k->dynamics != DYNAMICS_FACTOR && articulated_serves(t) && !tree_has_type(t, JOINT_FLOATING));
+}
+
 int algorithm_build_way_back(struct dag *d, const struct tree *t, const struct request *k, int is_batch)
 {
+	enum dynamics dynamics = k->is_forward ? DYNAMICS_ARTICULATED : DYNAMICS_FACTOR;
 	struct loops loops = {0};
 	struct way_back way;
 	struct pattern to;
 
-	if (k->derivatives == DERIVATIVES_FORWARD || request_wants_any(k, IS_PRODUCT) || k->refine_steps ||
-		(k->is_forward && (k->dynamics == DYNAMICS_FACTOR || has_floating(t) || !articulated_serves(t) ||
-			!forward_loops_behind(&loops, t, k, is_batch, d->arena))) ||
+	if (!may_go_back(t, k) || (k->is_forward && !forward_loops_behind(&loops, t, k, is_batch, d->arena)) ||
 		!find_places(&to, t, k, &loops, d->arena) || !way_back_begin(&way, t, k, &to, is_batch))
 		return 0;
-	want_build_in(d, t, k, (struct ways){DERIVATIVES_RECURSION, k->is_forward ? DYNAMICS_ARTICULATED : DYNAMICS_FACTOR, 0,
-		k->is_forward ? &loops : NULL, &way});
+	want_build_in(d, t, k, (struct ways){DERIVATIVES_RECURSION, dynamics, 0, k->is_forward ? &loops : NULL, &way});
+	if (!d->failed)
+		strike_unread(d, k);
 	return 1;
 }

@@ -1,8 +1,15 @@
-#include "emit/columns/emit_columns.h"
-#include "emit/unparse.h"
 #include "base/fold.h"
-#include "plan/grid/parts.h"
 #include "base/template.h"
+#include "emit/columns/emit_columns.h"
+#include "emit/kernels/emit_alone.h"
+#include "emit/kernels/emit_blocks.h"
+#include "emit/kernels/emit_kernel.h"
+#include "emit/kernels/emit_limbs.h"
+#include "emit/kernels/emit_parts.h"
+#include "emit/kernels/emit_relay.h"
+#include "emit/kernels/emit_tiles.h"
+#include "emit/unparse.h"
+#include "plan/grid/parts.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -40,60 +47,6 @@ int emit_uses_in(const struct emission *e, enum op op, int is_wide)
 			if (e->passes[i].dag.nodes[k].op == op && (int)e->passes[i].dag.nodes[k].is_wide == is_wide)
 				return 1;
 	return 0;
-}
-
-/* Is a row of a batch read or written with the stride: one that is not the first? */
-static int has_stride(const struct plan *p, const struct line *l)
-{
-	const struct node *n = &p->dag->nodes[l->value.i];
-
-	if (l->kind == LINE_STORE)
-		return p->dag->outputs[l->index].row > 0 && !p->dag->arguments[p->dag->outputs[l->index].argument].per_batch;
-	return l->kind == LINE_INPUT && n->arg[1].i > 0 && !p->dag->arguments[n->arg[0].i].per_batch;
-}
-
-int emit_mark_arguments(const struct plan *p, unsigned char *used)
-{
-	const struct dag *d = p->dag;
-	int stride = 0;
-
-	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++) {
-		if (l->kind == LINE_STORE)
-			used[d->outputs[l->index].argument] = 1;
-		else if (l->kind == LINE_INPUT)
-			used[d->nodes[l->value.i].arg[0].i] = 1;
-		stride |= has_stride(p, l);
-	}
-	return stride;
-}
-
-/* Of sines and of whether they are known. */
-static void put_unused_sines(const struct emission *e, const struct plan *p, struct text *out)
-{
-	int narrow = 0, wide = 0;
-
-	for (size_t i = 0; i < p->line_count; i++)
-		if (p->lines[i].kind == LINE_SINCOS && p->dag->nodes[p->lines[i].value.i].is_wide)
-			wide = 1;
-		else if (p->lines[i].kind == LINE_SINCOS)
-			narrow = 1;
-	text_put(out, narrow || wide ? "" : "\t(void)known;\n");
-	text_put(out, narrow ? "" : "\t(void)sines;\n");
-	text_put(out, wide || !e->wide ? "" : "\t(void)sines_wide;\n");
-}
-
-void emit_unused(const struct emission *e, const struct plan *p, const char *prefix, struct text *out)
-{
-	unsigned char used[DAG_ARGUMENTS + DAG_LOOPS] = {0};
-	int stride = emit_mark_arguments(p, used);
-
-	for (int i = 0; i < p->dag->argument_count; i++)
-		if (!used[i])
-			text_printf(out, "\t(void)%s%s;\n", p->dag->arguments[i].per_batch ? "" : prefix,
-				p->dag->arguments[i].name);
-	text_put(out, stride ? "" : "\t(void)stride;\n");
-	if (emit_has_known(e))
-		put_unused_sines(e, p, out);
 }
 
 /* A loop holds a limb's lines once. */

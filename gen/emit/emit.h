@@ -242,9 +242,6 @@ struct touched emit_touched(const struct plan *p);
    has its own of. */
 void emit_unused(const struct emission *e, const struct plan *p, const char *prefix, struct text *out);
 
-/* By what the warps of a limbs' kernel wait for each other. */
-#define EMIT_JOIN "RNEA_JOIN"
-
 #define EMIT_RETURNS                                                                                                   \
 	"   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,\n" \
 	"   the results mean nothing.\n"
@@ -276,105 +273,6 @@ int emit_across_bytes(const struct emission *e, const struct segments *s);
 /* How many samples a segment runs for. */
 int emit_lanes(const struct emission *e, const struct segments *s);
 
-/* Bytes that a sample keeps across cuts, at least those of a number; samples that a thread takes at most; threads of a block, so
-   that each has room for two. */
-int emit_segments_bytes(const struct emission *e, const struct pass *p);
-int emit_segments_samples(const struct emission *e);
-int emit_segments_block(const struct emission *e, const struct pass *p);
-void emit_segments_kernel(const struct emission *e, const struct pass *p, struct text *out);
-
-/* CUDA: the kernel of small batches, whose warps share out each sample, where there is one, with that of a relay's first kernel; what
-   launches them; what is to be known of them, of warps, groups and samples (of the relay's: NULL where there is none), and the
-   bytes of shared memory of a group. */
-int emit_has_limbs(const struct emission *e);
-void emit_limbs(const struct emission *e, struct text *out);
-const char *emit_launch_limbs(const struct emission *e);
-const char *emit_launch_start_limbs(const struct emission *e);
-const struct limbs *emit_limbs_of(const struct emission *e);
-const struct limbs *emit_start_limbs(const struct emission *e);
-int emit_limbs_bytes(const struct emission *e, const struct limbs *s);
-
-/* Do warps ask for sines that may be known, as the other kernels do: those that make sines themselves? Not where all are made first. */
-int emit_limbs_know(const struct emission *e);
-
-/* What a grid has along y, after a comma; "" where it has no parts. */
-const char *emit_along(const struct emission *e, int parts);
-
-/* The body that calls the parts'; one call in it, with its own arguments and `more` after the stride. */
-void emit_dispatcher(const struct emission *e, struct text *out);
-void emit_put_sample_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out);
-
-/* Parameters of the body of a part that come after the stride, each after a comma, and what a call gives for them: the stride of inputs,
-   how many rows are left out of its slices, how much further a vjp goes on from one place to the next, and where hands have left
-   something, with the stride there. The second of these alone. Launches the kernels of the hands. */
-const char *emit_more_params(const struct emission *e, const struct pass *p);
-const char *emit_more(const struct emission *e, const struct pass *p, int is_staged, const char *inner, const char *handed);
-const char *emit_gap(const struct emission *e, const struct pass *p, int is_staged);
-const char *emit_launch_hands(const struct emission *e);
-
-/* A relay's kernels but the second; what they do where the text is compiled as C, before the second and after; how its launch function
-   begins, or that of the one kernel, and the launch of all; bytes of shared memory of a block of the third. */
-void emit_relay_solve(const struct emission *e, struct text *out);
-void emit_relay_before(const struct emission *e, struct text *out);
-void emit_relay_after(const struct emission *e, struct text *out);
-const char *emit_launch_head(const struct emission *e);
-const char *emit_launch_relay(const struct emission *e);
-int emit_relay_bytes(const struct emission *e);
-
-/* What a program of that kernel alone leaves out. */
-#define EMIT_UNLESS_LIMBS "#if !defined RNEA_ONLY_LIMBS\n"
-const char *emit_unless_limbs(const struct emission *e, const char *what);
-
-/* Kernels of large batches, one for each part or for the whole (emit_alone.c): from how many samples on a launch takes them (0: there are
-   none), whether they pay without tiles, whether the one there is has the whole, their names and threads, themselves, with a guard of all that
-   follows, and their launch. */
-#define EMIT_UNLESS_ALONE "#if !defined RNEA_ONLY_PART_KERNELS\n"
-int emit_alone_least(const struct emission *e);
-int emit_serves_untiled(const struct emission *e);
-int emit_alone_is_whole(const struct emission *e);
-const char *emit_alone_name(const struct emission *e, int part);
-int emit_alone_block(const struct emission *e);
-void emit_alone_kernel(const struct emission *e, int part, struct text *out);
-void emit_alone(const struct emission *e, struct text *out);
-const char *emit_launch_alone(const struct emission *e);
-
-/* Those of them that move tiles (emit_tiles.c): are there any; what they call; what their launch does before; their line of the table;
-   one of them, which has `direct` to do where there is no engine. */
-struct tiled_kernel {
-	const struct pass *pass;
-	const struct part *part; /* NULL: it is none that has slices of its own */
-	const char *name, *handed, *spill, *zeros, *direct;
-};
-int emit_has_tiles(const struct emission *e);
-void emit_tiles(const struct emission *e, struct text *out);
-const char *emit_tiles_launch(const struct emission *e);
-void emit_info_tiles(const struct emission *e, struct text *out);
-void emit_tiled_kernel(const struct emission *e, const struct tiled_kernel *k, struct text *out);
-
-/* The kernel NAME_PASS_kernel. Where it may spill to shared memory, the line that says so. Kernels whose outputs leave through
-   windows, and these. */
-void emit_kernel(const struct emission *e, const struct pass *p, struct text *out);
-const char *emit_spill(const struct emission *e);
-void emit_windowed(const struct emission *e, const struct pass *p, struct text *out);
-void emit_put_windows(const struct emission *e, struct text *out);
-
-/* CUDA: all kernels, and the functions by which they stage their slices. */
-void emit_kernels(const struct emission *e, struct text *out);
-const char *emit_stage(const struct emission *e);
-
-/* The function that tells a launch how many bytes of shared memory to give, and its call, "0" where nothing is staged; the bytes
-   in which the kernel stages each thread's sample, 0: it does not. */
-const char *emit_stage_launch(const struct emission *e);
-const char *emit_given(const struct emission *e, const char *kernel);
-int emit_stage_bytes(const struct emission *e);
-
-/* Do the statements store by RNEA_STORE? May it be to shared memory? What that means, or RNEA_HOLD and RNEA_FLUSH where outputs leave
-   through windows; else "". The calls of a pass's flush. */
-int emit_is_streamed(const struct emission *e);
-int emit_stores_to_tiles(const struct emission *e);
-const char *emit_store(const struct emission *e);
-void emit_put_flush(const struct emission *e, const struct pass *p, int flush, struct text *out);
-
 /* Does a kernel of this pass store the elements of matrices that are always zero in a loop, beside the statements? Is this the
    store of one? Where the statements of a pass have them apart, under which condition; NULL: among the others. What the loops of
    the first pass call, and the loops: every `step`th run, from the number `first` on. */
@@ -388,42 +286,6 @@ const char *emit_zero_loops(const struct emission *e, const char *first, const c
    there are. */
 int emit_zero_runs(const struct emission *e, const struct dag *d, const struct output *outputs, size_t count, int argument,
 	struct text *out);
-
-/* Where the slices of a staged kernel, or of its part's rows (NULL: all), `block` samples wide, begin, what the body is called with, and
-   how rows come and go, and what comes between; their declaration. Does a vjp that stands in three slices leave as one? Does anything come
-   or go as some rows of each sample? */
-struct slices {
-	const char *slices, *here, *pointers, *move_in, *move_out, *join;
-};
-int emit_is_joined(const struct emission *e);
-int emit_moves_some(const struct emission *e);
-struct slices emit_slices(const struct emission *e, const struct stretches *s, const char *block);
-
-/* Rows on from where the place of an argument begins, where its k-th stretch does, or a vjp's first row. */
-int emit_slot(const struct stretches *s, const struct dag *d, int argument, int k);
-int emit_divided_slot(const struct stretches *s);
-
-const char *emit_slices_declaration(const struct emission *e);
-
-/* What the main kernel takes of a multiprocessor. Threads of a block; blocks that have room, an expression of RNEA_BLOCK. */
-int emit_block_size(const struct emission *e);
-const char *emit_min_blocks(const struct emission *e);
-
-/* Is its slice fetched into shared memory first? Words and bytes of a sample there, and words from one sample's rows to the next one's. */
-int emit_is_staged(const struct emission *e);
-int emit_stage_words(const struct emission *e);
-int emit_slice_bytes(const struct emission *e);
-int emit_pitch(const struct emission *e, int rows);
-
-/* The windows through which its outputs leave, their slots 0 where there are none; bytes of one. */
-const struct windows *emit_windows(const struct emission *e);
-int emit_window_bytes(const struct emission *e);
-
-/* Are its inputs asked for in advance? Has it more values at once than registers, so that it spills to shared memory? Does a sample's first
-   run stand unless an angle turns out to be large? Not where that run fills the registers. */
-int emit_is_prefetched(const struct emission *e);
-int emit_is_full(const struct emission *e);
-int emit_is_optimistic(const struct emission *e);
 
 /* A call of a body. */
 struct call {

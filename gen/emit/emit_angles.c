@@ -1,7 +1,8 @@
 /* Angles and their sines in accurate mode: the arguments and tables by which a body is told the sines of large angles, the
    functions that make them, and the calls. */
-#include "emit/emit.h"
 #include "base/template.h"
+#include "emit/emit.h"
+#include "emit/kernels/emit_parts.h"
 #include "emit/unparse.h"
 #include "plan/tiles/tiles.h"
 

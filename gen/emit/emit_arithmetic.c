@@ -1,7 +1,8 @@
 /* What RNEA_FMA and, where the same bits are wanted everywhere, every other operation of the statements means. Those of wide
    numbers stand beside them, as RNEA_WIDE_FMA. */
-#include "emit/emit.h"
 #include "base/template.h"
+#include "emit/emit.h"
+#include "emit/kernels/emit_limbs.h"
 #include <string.h>
 
 /* What a frame is filled with: the operations of both kinds of numbers, and frames filled before. */

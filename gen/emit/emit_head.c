@@ -1,8 +1,11 @@
 /* What a generated text says about itself: the comment at its head. */
-#include "emit/emit.h"
 #include "base/number.h"
-#include "tree/pattern.h"
 #include "base/template.h"
+#include "emit/emit.h"
+#include "emit/kernels/emit_alone.h"
+#include "emit/kernels/emit_limbs.h"
+#include "emit/kernels/emit_tiles.h"
+#include "tree/pattern.h"
 #include <string.h>
 
 /* A path's last part. */
@@ -286,10 +289,10 @@ static void put_limbs(const struct emission *e, const char *start, const struct 
 		s->most, name, pass, name, pass, start, s->warps);
 }
 
-static const char *looped(const struct pass *p)
+static const char *looped(const struct pass *p, const char *columns)
 {
-	return !dag_loops_go_back(&p->dag) ? "such columns"
-		: p->dag.run_count ? "the coordinates beyond a link, and over such columns" : "the coordinates beyond a link";
+	return !dag_loops_go_back(&p->dag) ? columns
+		: p->dag.run_count ? "the coordinates beyond a link, and over columns" : "the coordinates beyond a link";
 }
 
 static void put_many(const struct pass *many, struct text *out)
@@ -298,7 +301,7 @@ static void put_many(const struct pass *many, struct text *out)
 
 	text_printf(out, " *   That is with lines for each column of derivatives. Batches run %s: %d segments, each for several\n"
 		" *   samples before the next, the last %d of which loop over %s; %d values go across cuts.\n", many->algorithm->name,
-		s->count, many->dag.loop_count, looped(many), s->slots[0]);
+		s->count, many->dag.loop_count, looped(many, "such columns"), s->slots[0]);
 }
 
 static void put_operations(const struct emission *e, struct text *out)
@@ -324,7 +327,7 @@ static void put_operations(const struct emission *e, struct text *out)
 	if (emit_main(e)->single)
 		text_printf(out, " *   A sample alone runs %s: %d segments, the last %d of which loop over %s.\n",
 			emit_main(e)->single->algorithm->name, emit_main(e)->single->segments.count, emit_main(e)->single->dag.loop_count,
-			looped(emit_main(e)->single));
+			looped(emit_main(e)->single, "columns of derivatives"));
 	if (emit_main(e)->beside)
 		text_printf(out, " *   With vectors of %d numbers a sample alone runs %s: %d segments in lanes; its last bits may not be\n"
 			" *   those of %s. -DRNEA_NO_LANES leaves it out.\n",

@@ -1,5 +1,12 @@
 /* The table NAME_info, which librnea reads. */
 #include "emit/emit.h"
+#include "emit/kernels/emit_alone.h"
+#include "emit/kernels/emit_blocks.h"
+#include "emit/kernels/emit_kernel.h"
+#include "emit/kernels/emit_limbs.h"
+#include "emit/kernels/emit_relay.h"
+#include "emit/kernels/emit_segments_kernel.h"
+#include "emit/kernels/emit_tiles.h"
 #include "plan/tiles/tiles.h"
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* The arguments of the generated functions, in every form in which a text lists them; the names of choices. */
-#include "emit/emit.h"
 #include "base/number.h"
+#include "emit/emit.h"
 #include <string.h>
 
 const char *emit_trig_name(enum rneagen_trig trig)
@@ -126,4 +126,60 @@ const char *emit_at_sample(const struct emission *e, const struct pass *p)
 	text_init(&t, e->arena);
 	text_printf(&t, "%s, %s", emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e));
 	return text_string(&t);
+}
+
+/* ---- parameters that statements do not read ---- */
+
+/* Is a row of a batch read or written with the stride: one that is not the first? */
+static int has_stride(const struct plan *p, const struct line *l)
+{
+	const struct node *n = &p->dag->nodes[l->value.i];
+
+	if (l->kind == LINE_STORE)
+		return p->dag->outputs[l->index].row > 0 && !p->dag->arguments[p->dag->outputs[l->index].argument].per_batch;
+	return l->kind == LINE_INPUT && n->arg[1].i > 0 && !p->dag->arguments[n->arg[0].i].per_batch;
+}
+
+int emit_mark_arguments(const struct plan *p, unsigned char *used)
+{
+	const struct dag *d = p->dag;
+	int stride = 0;
+
+	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++) {
+		if (l->kind == LINE_STORE)
+			used[d->outputs[l->index].argument] = 1;
+		else if (l->kind == LINE_INPUT)
+			used[d->nodes[l->value.i].arg[0].i] = 1;
+		stride |= has_stride(p, l);
+	}
+	return stride;
+}
+
+/* Of sines and of whether they are known. */
+static void put_unused_sines(const struct emission *e, const struct plan *p, struct text *out)
+{
+	int narrow = 0, wide = 0;
+
+	for (size_t i = 0; i < p->line_count; i++)
+		if (p->lines[i].kind == LINE_SINCOS && p->dag->nodes[p->lines[i].value.i].is_wide)
+			wide = 1;
+		else if (p->lines[i].kind == LINE_SINCOS)
+			narrow = 1;
+	text_put(out, narrow || wide ? "" : "\t(void)known;\n");
+	text_put(out, narrow ? "" : "\t(void)sines;\n");
+	text_put(out, wide || !e->wide ? "" : "\t(void)sines_wide;\n");
+}
+
+void emit_unused(const struct emission *e, const struct plan *p, const char *prefix, struct text *out)
+{
+	unsigned char used[DAG_ARGUMENTS + DAG_LOOPS] = {0};
+	int stride = emit_mark_arguments(p, used);
+
+	for (int i = 0; i < p->dag->argument_count; i++)
+		if (!used[i])
+			text_printf(out, "\t(void)%s%s;\n", p->dag->arguments[i].per_batch ? "" : prefix,
+				p->dag->arguments[i].name);
+	text_put(out, stride ? "" : "\t(void)stride;\n");
+	if (emit_has_known(e))
+		put_unused_sines(e, p, out);
 }

@@ -1,10 +1,11 @@
 /* Where the elements of a matrix stand in it, for programs that unpack one: in NAME_info, as arrays of row and column, and
    in --info=json. Which of them are always zero. */
-#include "emit/emit.h"
 #include "base/template.h"
+#include "emit/emit.h"
+#include "emit/kernels/emit_kernel.h"
+#include "plan/stage.h"
 #include "tree/lumps.h"
 #include "tree/pattern.h"
-#include "plan/stage.h"
 
 struct shape {
 	const char *name;

@@ -1,14 +1,13 @@
 /* Functions of passes in segments: a body for each, a loop over some samples for each, and what calls them. */
 #include "base/fold.h"
+#include "base/template.h"
 #include "emit/columns/emit_columns.h"
 #include "emit/columns/emit_way_back.h"
-#include "emit/emit.h"
-#include "base/template.h"
-#include "plan/stage.h"
 #include "emit/unparse.h"
+#include "plan/stage.h"
 
 /* Samples of a loop: as many as leave their values across cuts in a core's first cache; no fewer than vectors are wide, unless a
-   thread's stack would grow too large. */
+   thread's stack would grow too large. What coordinates carry may be as much again. */
 enum { CACHE_BYTES = 16384, STACK_BYTES = 131072, MOST_LANES = 64, WIDE_LANES = 16, FEWEST_LANES = 4 };
 
 int emit_across_bytes(const struct emission *e, const struct segments *s)
@@ -20,7 +19,8 @@ int emit_lanes(const struct emission *e, const struct segments *s)
 {
 	int lanes = MOST_LANES;
 
-	while (lanes > FEWEST_LANES && lanes * emit_across_bytes(e, s) > (lanes > WIDE_LANES ? CACHE_BYTES : STACK_BYTES))
+	while (lanes > FEWEST_LANES && (lanes * emit_across_bytes(e, s) > (lanes > WIDE_LANES ? CACHE_BYTES : STACK_BYTES) ||
+		lanes * s->carried * e->arithmetic->bytes > STACK_BYTES))
 		lanes /= 2;
 	return lanes;
 }

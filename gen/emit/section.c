@@ -56,8 +56,9 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 	[SECTION_REGRESSOR] = "W, V of the body by a unit rate of each joint on the way here: W = R'W_p, V = R'(V_p + W_p x p);\n\t   "
 		"their power V.f + W.n by a unit of m: V.a;  of h: U'V + a x W;  of I: W.(I dw + w x I w)",
 	[SECTION_COLUMNS] = "L'y = -d ID;  L d qdd = y/D",
-	[SECTION_WAY] = "of each coordinate beyond: n2 += p x f2, n1 += p' x f2;  dN += p x dF;  the joint's field makes it feel\n\t   "
-		"n2.alpha + n1.beta + f2.gamma, and the joint feels z.dN, or z.dF",
+	[SECTION_WAY] = "of each coordinate beyond: sn += p x sf, sm += p' x sf;  nq += p x fq, nd += p x fd;  it feels the\n\t   "
+		"joint's q and qd, which change accelerations by alpha x r + beta x r' + gamma, by sn.alpha + sm.beta + sf.gamma;\n\t   "
+		"the joint feels z.nq and z.nd, or z.fq and z.fd",
 	[SECTION_ROWS] = "in an order in which few values wait: what the rows of the joint take, and what is complete then",
 	[SECTION_SWEEPS] = "of the outputs y by the state x and other inputs, dqdd = M^-1 (dtau - dID) where qdd is found:\n\t   "
 		"jvp = dy/dx jvp_v, forwards;  vjp = vjp_v' dy/dx, backwards",

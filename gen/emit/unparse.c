@@ -1,5 +1,7 @@
-#include "emit/unparse.h"
 #include "base/fold.h"
+#include "emit/kernels/emit_kernel.h"
+#include "emit/kernels/emit_limbs.h"
+#include "emit/unparse.h"
 #include "plan/readings.h"
 #include "plan/tiles/tiles.h"
 #include <math.h>

@@ -27,6 +27,7 @@ struct segments {
 	int count;          /* 0: the plan is whole */
 	struct plan *plans; /* each the lines of one, what it fetches and keeps among them */
 	int slots[2];       /* of a sample across the cuts: of numbers, of wide numbers */
+	int carried;        /* numbers that a sample's coordinates carry in a batch, in loops over these */
 };
 
 /* Each angle once, in the order of the statements. */

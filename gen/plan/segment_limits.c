@@ -181,12 +181,18 @@ int segments_once_more(struct pass **made, const struct pass *p, segments_build 
 	return 1;
 }
 
-static int build_looped(struct dag *d, const struct pass *p, const struct request *k)
+static int build_back(struct dag *d, const struct pass *p, const struct request *k)
 {
-	return algorithm_build_way_back(d, p->plan.tree, k, 0) || algorithm_build_looped(d, p->plan.tree, k, LOOPED_SINGLE);
+	return algorithm_build_way_back(d, p->plan.tree, k, 0);
 }
 
-/* A loop's body is told what goes across, and its column; so it must read some of these values, and no input. */
+static int build_looped(struct dag *d, const struct pass *p, const struct request *k)
+{
+	return algorithm_build_looped(d, p->plan.tree, k, LOOPED_SINGLE);
+}
+
+/* A loop's body is told what goes across, and its column; so it must read some of these values, and no input, and leave none for
+   another one. */
 static int is_closed(const struct pass *s)
 {
 	for (int k = s->segments.count - s->dag.loop_count; k < s->segments.count; k++) {
@@ -205,15 +211,16 @@ static int is_closed(const struct pass *s)
 
 int segments_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
+	static segments_build *const builds[] = {build_back, build_looped};
 	struct pass *s;
 
-	if (!p->segments.count || !segments_may_differ(o))
-		return !a->failed;
-	if (!segments_once_more(&s, p, build_looped, k->is_forward ? "fd_single" : "rnea_single", k, o, a))
-		return 0;
-	if (s && is_closed(s))
-		p->single = s;
-	return 1;
+	for (int i = 0; i < 2 && p->segments.count && segments_may_differ(o) && !p->single; i++) {
+		if (!segments_once_more(&s, p, builds[i], k->is_forward ? "fd_single" : "rnea_single", k, o, a))
+			return 0;
+		if (s && is_closed(s))
+			p->single = s;
+	}
+	return !a->failed;
 }
 
 /* Batches in f64, against those whose columns have lines of their own (Zen 5, gcc 12 at -O3): time; seconds to compile, from and
@@ -225,7 +232,8 @@ enum { MANY_LEAST = 60000, MANY_LEAST_AOS = 100000 };
 
 static int build_many(struct dag *d, const struct pass *p, const struct request *k)
 {
-	return algorithm_build_way_back(d, p->plan.tree, k, 1) || algorithm_build_looped(d, p->plan.tree, k, LOOPED_BATCH);
+	return dag_loops_go_back(&p->single->dag) ? algorithm_build_way_back(d, p->plan.tree, k, 1)
+		: algorithm_build_looped(d, p->plan.tree, k, LOOPED_BATCH);
 }
 
 /* In aos, from a sample to the next: the same for all matrices of a loop. */

@@ -25,7 +25,7 @@ struct cutter {
 };
 
 /* It is read again where it is needed; but a loop over coordinates on their way back to the base fetches it as it does values. */
-static int is_input(const struct cutter *c, uint32_t node)
+static int is_read_again(const struct cutter *c, uint32_t node)
 {
 	const struct node *n = &c->p->dag->nodes[node];
 
@@ -40,7 +40,7 @@ static void count_alive(struct cutter *c)
 	uint32_t alive = 0, *change = c->alive;
 
 	for (size_t i = 0; i < c->p->dag->count; i++)
-		if (c->p->names[i] && !is_input(c, (uint32_t)i)) {
+		if (c->p->names[i] && !is_read_again(c, (uint32_t)i)) {
 			change[c->readings.made[i] + 1]++;
 			change[c->readings.last[i] + 1]--; /* modulo 2^32 */
 		}
@@ -97,13 +97,13 @@ static void grow(const struct cutter *c, struct growing *g, uint32_t line)
 	g->operations += r->weight[line];
 	for (uint32_t i = r->begin[line]; i < r->begin[line + 1]; i++) {
 		uint32_t node = r->list[i].node;
-		int is_own = !is_input(c, node) && r->made[node] >= g->begin;
+		int is_own = !is_read_again(c, node) && r->made[node] >= g->begin;
 
 		g->fetched += !is_own && (r->list[i].previous < g->begin || r->list[i].previous == r->made[node]);
 		g->open -= is_own && r->last[node] == line;
 	}
 	for (int k = readings_made(c->p, &c->p->lines[line], made); k-- > 0;)
-		g->open += !is_input(c, made[k].i) && r->last[made[k].i] > line;
+		g->open += !is_read_again(c, made[k].i) && r->last[made[k].i] > line;
 }
 
 /* All segments that begin at the place. */
@@ -192,7 +192,7 @@ static void choose_slots(struct cutter *c, int slots[2])
 			size_t begin = segment_of(c, i), end = segment_of(c, c->readings.last[node]);
 			int is_wide = c->p->dag->nodes[node].is_wide, slot = 0;
 
-			if (is_input(c, node) || begin == end)
+			if (is_read_again(c, node) || begin == end)
 				continue;
 			while (slot < slots[is_wide] && free_from[is_wide][slot] > begin)
 				slot++;
@@ -220,7 +220,7 @@ static void add_readings(const struct cutter *c, struct plan *p, uint32_t line, 
 		if (c->seen[x.i] == segment + 1)
 			continue;
 		c->seen[x.i] = segment + 1;
-		if (is_input(c, x.i))
+		if (is_read_again(c, x.i))
 			add(p, LINE_INPUT, x, 0);
 		else
 			add(p, LINE_FETCH, x, (size_t)c->slot[x.i]);
@@ -239,10 +239,12 @@ static void add_carried(const struct cutter *c, struct plan *p, uint32_t first, 
 {
 	const struct readings *r = &c->readings;
 
-	for (uint32_t i = r->begin[first]; i < r->begin[end] && is_way(c, first); i++) {
+	if (!is_way(c, first))
+		return;
+	for (uint32_t i = r->begin[first]; i < r->begin[end]; i++) {
 		struct ref x = {r->list[i].node};
 
-		if (is_input(c, x.i) && c->seen[x.i] != segment + 1) {
+		if (is_read_again(c, x.i) && c->seen[x.i] != segment + 1) {
 			c->seen[x.i] = segment + 1;
 			add(p, LINE_INPUT, x, 0);
 		}
@@ -255,7 +257,7 @@ static void add_line(const struct cutter *c, struct plan *p, uint32_t line, uint
 	struct ref made[2];
 	int count = readings_made(c->p, l, made);
 
-	if (l->kind == LINE_INPUT && is_input(c, l->value.i))
+	if (l->kind == LINE_INPUT && is_read_again(c, l->value.i))
 		return;
 	add_readings(c, p, line, segment);
 	p->lines[p->line_count++] = *l;
@@ -311,6 +313,7 @@ int segments_make(struct segments *s, const struct plan *p, const struct segment
 	if (a->failed)
 		return 0;
 	choose_slots(&c, s->slots);
+	s->carried = dag_loops_go_back(p->dag) && p->dag->rooms[0].is_batch ? p->dag->arguments[p->dag->rooms[0].argument].rows : 0;
 	make_plans(&c, s);
 	readings_free(&c.readings, a);
 	arena_release(a, c.seen);

@@ -30,13 +30,13 @@ static int carried_vectors(const struct way_back *w, struct traveller *x, struct
 /* Rows of qd of a body and all beyond it, if they are in a row; 0: they are not. */
 static int rows_beyond(const struct tree *t, int body)
 {
-	int first = t->bodies[body].iv, rows = 0, b = body;
+	int first = t->bodies[body].iv, rows = 0;
 
-	do {
+	for (int b = body; b < tree_end(t, body); b++) {
 		if (t->bodies[b].iv != first + rows)
 			return 0;
 		rows += joint_nv(t->bodies[b].type);
-	} while (++b < t->body_count && t->bodies[b].parent >= body);
+	}
 	return rows;
 }
 
@@ -93,9 +93,9 @@ static int is_regular(const struct tree *t, const struct pattern *p, int body)
 enum { COORDINATES_LEAST = 20 };
 
 /* Are there few enough loops, of coordinates enough? */
-static int is_worth_it(const struct way_back *w, const struct tree *t)
+static int is_worth_it(const struct way_back *w, const struct tree *t, const struct request *k)
 {
-	int loops = 0, puts = 0, steps = 0;
+	int loops = 0, solves = k->is_forward, puts = 0, steps = 0;
 
 	for (int body = 0; body < t->body_count; body++)
 		if (t->bodies[body].parent >= 0) {
@@ -103,20 +103,18 @@ static int is_worth_it(const struct way_back *w, const struct tree *t)
 			puts += rows_before(t, body) * elements_each(w);
 			steps += rows_beyond(t, body);
 		}
-	return loops && loops <= DAG_LOOPS && puts <= DAG_PUTS && steps >= COORDINATES_LEAST * loops;
+	return loops && loops + solves <= DAG_LOOPS && puts <= DAG_PUTS && steps >= COORDINATES_LEAST * loops;
 }
 
 /* One sample's coordinates wait, in rows of their own, until it is their turn: vectors of the loops before may reach over their
    places. A batch's set out where they stand. */
 static void make_room(struct way_back *w, const struct tree *t)
 {
-	struct traveller none;
-	struct carried_vector vectors[WAY_VECTORS];
 	int most = 0;
 
 	for (int body = 0; body < t->body_count; body++)
 		most = rows_before(t, body) > most ? rows_before(t, body) : most;
-	w->carried = 3 * carried_vectors(w, &none, vectors);
+	w->carried = 3 * (3 + elements_each(w)); /* a row, and a wrench for each matrix */
 	w->elements = most * elements_each(w);
 	w->rows = w->carried + w->elements + (w->is_batch ? 0 : w->carried);
 	w->places = w->is_batch ? t->nv : (t->nv + 2 * DAG_COLUMNS_UNIT - 2) / DAG_COLUMNS_UNIT * DAG_COLUMNS_UNIT;
@@ -127,7 +125,8 @@ int way_back_begin(struct way_back *w, const struct tree *t, const struct reques
 	*w = (struct way_back){.argument = -1, .here = -1, .is_batch = is_batch, .to = *to};
 	w->is_wanted[BY_Q] = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DQDD_DQ);
 	w->is_wanted[BY_QD] = request_wants(k, WANT_DTAU_DQD) || request_wants(k, WANT_DQDD_DQD);
-	if (t->mimic_count || !are_wanted(k) || k->stored_count < k->want_count || !is_worth_it(w, t))
+	if (t->mimic_count || tree_has_type(t, JOINT_FIXED) || !are_wanted(k) || k->stored_count < k->want_count ||
+		!is_worth_it(w, t, k))
 		return 0;
 	for (int body = 0; body < t->body_count; body++)
 		if (!is_regular(t, to, body))
@@ -155,13 +154,10 @@ void way_back_declare(struct way_back *w, struct dag *d)
 
 static void tell_begins(const struct way_back *w, struct dag *d)
 {
-	int *begins = arena_take(d->arena, (size_t)w->to.lines, sizeof *begins);
+	int *begins = dag_loops_begin_rows(d, w->to.lines);
 
 	for (int i = 0; i < w->to.lines && begins; i++)
 		begins[i] = pattern_row_begins(&w->to, i);
-	if (begins)
-		dag_loops_begin_rows(d, begins, w->to.lines);
-	d->failed |= !begins;
 }
 
 /* Where a row of a place is. A batch has those of a place together: else they are apart by powers of two, and share a few lines

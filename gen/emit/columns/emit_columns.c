@@ -195,7 +195,8 @@ void emit_columns_calls(const struct emission *e, const struct pass *p, int segm
 		emit_way_calls(e, p, loop, out);
 		return;
 	}
-	put_zeros(p, loop, out);
+	if (!dag_loops_go_back(&p->dag)) /* else all of it is zero */
+		put_zeros(p, loop, out);
 	text_printf(out, "\t%s_%s_columns%d(", e->options->name, p->algorithm->name, loop);
 	emit_put_address(p->dag.arguments[p->dag.rooms[loop].argument].name, p->dag.rooms[loop].first, "", out);
 	text_put(out, ", across);\n");

@@ -17,8 +17,8 @@ void emit_columns_many_calls(const struct emission *e, const struct pass *p, int
 void emit_zeros_many(const struct emission *e, const struct pass *p, struct text *out);
 void emit_zeros_many_calls(const struct emission *e, const struct pass *p, struct text *out);
 
-/* What such loops are written with. Their array, for one sample, and, beside what goes across cuts, for a block of samples; without
-   such an array nothing. */
+/* What such loops are written with. Their arrays, for one sample, and, beside what goes across cuts, for a block of samples;
+   nothing where there are none. */
 void emit_columns_macros(const struct emission *e, struct text *out);
 const char *emit_columns_declaration(const struct emission *e, const struct pass *p);
 const char *emit_columns_many_declarations(const struct emission *e, const struct pass *p);

@@ -4,7 +4,6 @@
 #include "base/template.h"
 #include "emit/columns/emit_columns.h"
 #include "emit/columns/emit_way_back.h"
-#include "emit/target_type.h"
 
 static const struct column_room *room_of(const struct pass *p, int loop)
 {

@@ -1,6 +1,8 @@
 /* Kernels of large batches: one of its own for each part of the text, beside the one whose grid has all of them along y. */
 #include "base/template.h"
 #include "emit/emit.h"
+#include "emit/kernels/emit_alone.h"
+#include "emit/kernels/emit_tiles.h"
 #include "plan/tiles/tiles.h"
 
 /* Of matrices: from one warp for each scheduler of an H100 on. Of rows that move as tiles: from so many samples on, and with a vjp. */

@@ -1,5 +1,7 @@
 /* What a kernel takes of a multiprocessor: threads of a block, registers, shared memory. Each rule has its measurement. */
 #include "emit/emit.h"
+#include "emit/kernels/emit_blocks.h"
+#include "emit/kernels/emit_segments_kernel.h"
 #include "plan/stage.h"
 
 /* Threads, where nothing is staged. */

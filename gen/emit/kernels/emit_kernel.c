@@ -1,6 +1,14 @@
 /* CUDA kernels: how a slice of the batch reaches the body. What they take of a multiprocessor: emit_blocks.c. */
-#include "emit/emit.h"
 #include "base/template.h"
+#include "emit/emit.h"
+#include "emit/kernels/emit_alone.h"
+#include "emit/kernels/emit_blocks.h"
+#include "emit/kernels/emit_kernel.h"
+#include "emit/kernels/emit_limbs.h"
+#include "emit/kernels/emit_relay.h"
+#include "emit/kernels/emit_segments_kernel.h"
+#include "emit/kernels/emit_slices.h"
+#include "emit/kernels/emit_tiles.h"
 #include "plan/stage.h"
 
 static const struct dag *arguments_of(const struct emission *e)

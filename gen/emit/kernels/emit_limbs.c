@@ -3,6 +3,8 @@
 #include "base/template.h"
 #include "emit/emit.h"
 #include "emit/kernels/emit_first_sines.h"
+#include "emit/kernels/emit_limbs.h"
+#include "emit/kernels/emit_parts.h"
 #include "emit/unparse.h"
 #include "plan/stage.h"
 #include <string.h>

@@ -2,6 +2,10 @@
 #include "base/fold.h"
 #include "base/template.h"
 #include "emit/emit.h"
+#include "emit/kernels/emit_blocks.h"
+#include "emit/kernels/emit_kernel.h"
+#include "emit/kernels/emit_parts.h"
+#include "emit/kernels/emit_relay.h"
 #include "plan/tiles/tiles.h"
 
 void emit_put_sample_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out)

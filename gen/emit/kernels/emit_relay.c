@@ -2,6 +2,9 @@
    as C. */
 #include "base/template.h"
 #include "emit/emit.h"
+#include "emit/kernels/emit_limbs.h"
+#include "emit/kernels/emit_parts.h"
+#include "emit/kernels/emit_relay.h"
 #include "plan/stage.h"
 #include <stdlib.h>
 

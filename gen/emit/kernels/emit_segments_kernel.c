@@ -1,6 +1,7 @@
 /* Kernels in segments: each thread runs a segment for its samples before the next one. */
 #include "base/template.h"
 #include "emit/emit.h"
+#include "emit/kernels/emit_segments_kernel.h"
 #include "plan/stage.h"
 
 /* Samples of a thread (H100, 1 M samples, ps): g1_brainco in f32, 1, 2 and 4 take 1338, 742 and 643; in f64, 1 and 2 take 3254

@@ -1,7 +1,9 @@
 /* Slices of the batch in shared memory: where those of the arrays stand, how they come and go, and what the body is called with. A
    part that shares nothing with others has stretches of rows alone. */
-#include "emit/emit.h"
 #include "base/template.h"
+#include "emit/emit.h"
+#include "emit/kernels/emit_blocks.h"
+#include "emit/kernels/emit_slices.h"
 #include "plan/stage.h"
 #include <stdlib.h>
 

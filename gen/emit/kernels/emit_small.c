@@ -1,6 +1,9 @@
 /* Who asks whether angles are small enough for sines without a branch, and of which rows. */
-#include "emit/emit.h"
 #include "base/template.h"
+#include "emit/emit.h"
+#include "emit/kernels/emit_alone.h"
+#include "emit/kernels/emit_blocks.h"
+#include "emit/kernels/emit_tiles.h"
 #include "plan/tiles/tiles.h"
 #include <math.h>
 

@@ -2,6 +2,9 @@
    tensor maps, which the launch makes. */
 #include "base/template.h"
 #include "emit/emit.h"
+#include "emit/kernels/emit_alone.h"
+#include "emit/kernels/emit_slices.h"
+#include "emit/kernels/emit_tiles.h"
 #include "plan/tiles/tiles.h"
 
 /* Rows of an argument that move, and where they stand in shared memory. */

@@ -1,6 +1,8 @@
 /* Kernels in layout aos whose outputs leave through windows (plan/stage.h): the kernel, its windows, and what leaves when. */
 #include "base/template.h"
 #include "emit/emit.h"
+#include "emit/kernels/emit_blocks.h"
+#include "emit/kernels/emit_kernel.h"
 #include "plan/stage.h"
 
 /* What memory is written in. */
