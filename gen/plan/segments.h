@@ -26,12 +26,13 @@ enum segment_use { SEGMENT_NONE, SEGMENT_LOOPS, SEGMENT_AGAIN, SEGMENT_KERNEL };
 int segments_choose(struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o,
 	struct arena *a);
 
-/* Make p->single, with derivatives of qdd by loops over columns, or gradients by loops over coordinates, for a pass in segments that serve batches: where one sample
-   gains by it, and nothing promises its bits, which are not those of a batch. Returns 0 when memory runs out. */
+/* Make p->single, with derivatives of qdd by loops over columns, or gradients by loops over coordinates, for a pass in segments
+   that serve batches: where one sample gains by it, and nothing promises its bits, which are not those of a batch. Returns 0 when
+   memory runs out. */
 int segments_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a);
 
-/* Make p->many, with derivatives of qdd by loops over columns in place, or gradients by loops over coordinates, for a pass that has
-   p->single: where its own lines take a compiler long. Returns 0 when memory runs out. */
+/* Make p->many, with derivatives of qdd by loops over columns in place, or gradients by loops over coordinates, for a pass that
+   has p->single: where its own lines take a compiler long. Returns 0 when memory runs out. */
 int segments_many(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a);
 
 /* May a call of one sample run another text than a batch does: does nothing promise its bits, or ask for these segments? */

@@ -60,6 +60,20 @@ static size_t place(const struct launch *x, const struct rnea_argument *a, size_
 	return x->info->layout == RNEA_AOS ? k * a->rows + r : r * x->count + k;
 }
 
+double launched_get(const struct launch *x, size_t argument, size_t row, size_t sample)
+{
+	const struct rnea_argument *a = &x->info->arguments[argument];
+
+	return get(a, x->arrays[argument], place(x, a, row, sample));
+}
+
+void launched_set(const struct launch *x, size_t argument, size_t row, size_t sample, double value)
+{
+	const struct rnea_argument *a = &x->info->arguments[argument];
+
+	set(a, x->arrays[argument], place(x, a, row, sample), value);
+}
+
 /* A row of q that is an angle, another one in turn: a finger that slides has no room for large numbers. */
 static size_t angle_in_turn(const struct launch *x, size_t turn)
 {
@@ -119,11 +133,11 @@ void launched_free(struct launch *x)
 
 static double distance(const struct launch *x, const struct launch *y, size_t i, size_t k, const char *what)
 {
-	const struct rnea_argument *a = &x->info->arguments[i], *b = &y->info->arguments[i];
+	const struct rnea_argument *a = &x->info->arguments[i];
 	double most = 0, size = 0;
 
 	for (size_t r = 0; r < a->rows; r++) {
-		double p = get(a, x->arrays[i], place(x, a, r, k)), q = get(b, y->arrays[i], place(y, b, r, k));
+		double p = launched_get(x, i, r, k), q = launched_get(y, i, r, k);
 
 		ck_assert_msg(isfinite(p) && isfinite(q), "%s: %s[%zu] of sample %zu is %g, and %g", what, a->name, r, k, p, q);
 		most = fmax(most, fabs(p - q));

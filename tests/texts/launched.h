@@ -26,6 +26,10 @@ struct launch {
 struct launch launched_run(struct rnea_robot *robot, size_t count, unsigned seed, int floating);
 void launched_free(struct launch *x);
 
+/* A row of an argument, of one sample. */
+double launched_get(const struct launch *x, size_t argument, size_t row, size_t sample);
+void launched_set(const struct launch *x, size_t argument, size_t row, size_t sample, double value);
+
 /* Its arrays alone: the robot runs again. */
 void launched_drop(struct launch *x);
 

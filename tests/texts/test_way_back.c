@@ -120,50 +120,24 @@ static void free_matrices(struct matrices *x)
 
 /* ---- what the text gives ---- */
 
-struct batch {
-	const struct rnea_info *info;
-	void *arrays[8];
-};
-
-static size_t place(const struct batch *b, const struct rnea_argument *a, size_t row, size_t sample)
+/* Inputs, in turn q, qd and qdd, whose angles are all small, and outputs that nobody has written. */
+static struct launch draw_batch(struct rnea_robot *robot, const struct subject *s)
 {
-	return b->info->layout == RNEA_AOS ? sample * a->rows + row : row * COUNT + sample;
-}
-
-static double get(const struct batch *b, size_t argument, size_t row, size_t sample)
-{
-	const struct rnea_argument *a = &b->info->arguments[argument];
-	size_t i = place(b, a, row, sample);
-
-	return a->scalar == RNEA_F64 ? ((const double *)b->arrays[argument])[i] : (double)((const float *)b->arrays[argument])[i];
-}
-
-static void set(struct batch *b, size_t argument, size_t row, size_t sample, double x)
-{
-	const struct rnea_argument *a = &b->info->arguments[argument];
-	size_t i = place(b, a, row, sample);
-
-	if (a->scalar == RNEA_F64)
-		((double *)b->arrays[argument])[i] = x;
-	else
-		((float *)b->arrays[argument])[i] = (float)x;
-}
-
-/* Inputs, in turn q, qd and qdd, and outputs that nobody has written. */
-static struct batch draw_batch(const struct rnea_info *info, const struct subject *s)
-{
-	struct batch b = {.info = info};
+	struct launch b = {robot, rnea_info(robot), COUNT, NULL};
+	size_t arguments = b.info->input_count + b.info->output_count;
 	struct rng rng = rng_seed(SEED);
 
-	for (size_t i = 0; i < info->input_count + info->output_count; i++) {
-		const struct rnea_argument *a = &info->arguments[i];
+	b.arrays = calloc(arguments, sizeof *b.arrays);
+	for (size_t i = 0; i < arguments; i++) {
+		size_t rows = b.info->arguments[i].rows;
 
-		b.arrays[i] = calloc(a->rows * COUNT, sizeof(double));
+		b.arrays[i] = calloc(rows * COUNT, sizeof(double));
 		for (size_t k = 0; k < COUNT; k++)
-			for (size_t row = 0; row < a->rows; row++) {
+			for (size_t row = 0; row < rows; row++) {
 				int is_base = s->floating && i == 0 && row >= 3 && row < 7;
 
-				set(&b, i, row, k, i >= info->input_count ? (double)NAN : is_base ? 0.5 - (row == 5) : rng_uniform(&rng, -1, 1));
+				launched_set(&b, i, row, k,
+					i >= b.info->input_count ? (double)NAN : is_base ? 0.5 - (row == 5) : rng_uniform(&rng, -1, 1));
 			}
 	}
 	return b;
@@ -179,7 +153,7 @@ static double largest(const wide *x, int count)
 }
 
 /* The largest error of a matrix, by its largest element. */
-static double error_of(const struct batch *b, size_t argument, size_t sample, const struct reference *r, const struct subject *s,
+static double error_of(const struct launch *b, size_t argument, size_t sample, const struct reference *r, const struct subject *s,
 	const wide *right)
 {
 	double most = largest(right, r->nv * r->nv), worst = 0;
@@ -188,7 +162,7 @@ static double error_of(const struct batch *b, size_t argument, size_t sample, co
 	for (int i = 0; i < r->nv; i++)
 		for (int j = 0; j < r->nv; j++)
 			if (is_stored(r, s, i, j)) {
-				double error = fabs(get(b, argument, row++, sample) - (double)right[i * r->nv + j]) / most;
+				double error = fabs(launched_get(b, argument, row++, sample) - (double)right[i * r->nv + j]) / most;
 
 				worst = !(error <= worst) ? error : worst;
 			}
@@ -215,7 +189,7 @@ static void find_right(struct reference *r, const struct subject *s, double *con
 		free(state[i]);
 }
 
-static double error_in(const struct batch *b, size_t sample, struct reference *r, const struct subject *s)
+static double error_in(const struct launch *b, size_t sample, struct reference *r, const struct subject *s)
 {
 	struct matrices x = new_matrices(r);
 	double *in[3], worst = 0;
@@ -223,7 +197,7 @@ static double error_in(const struct batch *b, size_t sample, struct reference *r
 	for (size_t i = 0; i < 3; i++) {
 		in[i] = calloc((size_t)r->nq, sizeof(double));
 		for (size_t row = 0; i < b->info->input_count && row < b->info->arguments[i].rows; row++)
-			in[i][row] = get(b, i, row, sample);
+			in[i][row] = launched_get(b, i, row, sample);
 	}
 	find_right(r, s, in, &x);
 	for (size_t i = b->info->input_count; i < b->info->input_count + b->info->output_count; i++) {
@@ -248,7 +222,7 @@ static void check_values(const struct subject *s, const struct target *t, const 
 	char message[200];
 	struct reference *r = reference_open(urdf, strlen(urdf), &how, message, sizeof message);
 	struct rnea_robot *robot = launched_open(t, RNEA_BACKEND_HOST, 0);
-	struct batch b = draw_batch(rnea_info(robot), s);
+	struct launch b = draw_batch(robot, s);
 	struct rnea_error e;
 
 	ck_assert_msg(r != NULL, "%s", message);
@@ -259,9 +233,7 @@ static void check_values(const struct subject *s, const struct target *t, const 
 		printf("%s, sample %zu: within %.1e, seed %d\n", t->what, checked[k], worst, SEED);
 		ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 2e-4 : is_forward(s) ? 1e-7 : 1e-9);
 	}
-	for (size_t i = 0; i < b.info->input_count + b.info->output_count; i++)
-		free(b.arrays[i]);
-	rnea_close(robot);
+	launched_free(&b);
 	reference_close(r);
 }
 

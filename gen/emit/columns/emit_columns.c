@@ -234,7 +234,6 @@ void emit_columns_many_calls(const struct emission *e, const struct pass *p, int
 		emit_way_many_calls(e, p, loop, out);
 		return;
 	}
-
 	for (const struct column_run *r = p->dag.runs; r < p->dag.runs + p->dag.run_count; r++) {
 		if (r->loop != loop)
 			continue;

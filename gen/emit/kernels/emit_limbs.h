@@ -4,9 +4,9 @@
 
 #include "emit/emit.h"
 
-/* CUDA: the kernel of small batches, whose warps share out each sample, where there is one, with that of a relay's first kernel; what
-   launches them; what is to be known of them, of warps, groups and samples (of the relay's: NULL where there is none), and the
-   bytes of shared memory of a group. */
+/* CUDA: the kernel of small batches, whose warps share out each sample, where there is one, with that of a relay's first kernel;
+   what launches them; what is to be known of them, of warps, groups and samples (of the relay's: NULL where there is none), and
+   the bytes of shared memory of a group. */
 int emit_has_limbs(const struct emission *e);
 void emit_limbs(const struct emission *e, struct text *out);
 const char *emit_launch_limbs(const struct emission *e);
@@ -15,7 +15,8 @@ const struct limbs *emit_limbs_of(const struct emission *e);
 const struct limbs *emit_start_limbs(const struct emission *e);
 int emit_limbs_bytes(const struct emission *e, const struct limbs *s);
 
-/* Do warps ask for sines that may be known, as the other kernels do: those that make sines themselves? Not where all are made first. */
+/* Do warps ask for sines that may be known, as the other kernels do: those that make sines themselves? Not where all are made
+   first. */
 int emit_limbs_know(const struct emission *e);
 
 /* What a program of that kernel alone leaves out. */
