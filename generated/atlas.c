@@ -119,11 +119,36 @@ below */
 #else
 #define RNEA_ALONE
 #endif
+/* a loop of a short text: in a function of its own clang does not align the stack of its vectors */
+#if defined __clang__
+#define RNEA_LOOP inline __attribute__((always_inline))
+#else
+#define RNEA_LOOP RNEA_ALONE
+#endif
 /* gcc does so for short texts at -O2 too, as at -O3 */
 #if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
 #define RNEA_VECTORS __attribute__((optimize("tree-vectorize", "vect-cost-model=dynamic")))
 #else
 #define RNEA_VECTORS
+#endif
+
+/* so that vectors lie in one line of the cache each */
+#if defined __GNUC__
+#define RNEA_ALIGNED __attribute__((aligned(64)))
+#else
+#define RNEA_ALIGNED
+#endif
+/* From so many samples on a group of `n` is faster than each by itself. */
+#if !defined __OPTIMIZE__ || defined __OPTIMIZE_SIZE__
+#define RNEA_WORTH(n) (n)
+#elif defined __AVX512F__ && defined __clang__ /* whose vectors are longer than a group of a short text */
+#define RNEA_WORTH(n) ((n) > 8 ? (n)/3 + 1 : (n))
+#elif defined __AVX512F__
+#define RNEA_WORTH(n) ((n)/3 + 1)
+#elif defined __AVX__
+#define RNEA_WORTH(n) ((n)/2)
+#else
+#define RNEA_WORTH(n) (2*(n)/3 + 1)
 #endif
 
 
@@ -5803,6 +5828,27 @@ static int atlas_are_small(const double *q, size_t count, size_t first, size_t e
 	return small;
 }
 
+/* Samples first to end - 1 of `from`, and the last one again and again until there are `samples`, to [row][room]; and
+   back. */
+static void atlas_gather(double *restrict to, const double *restrict from, const size_t rows, const size_t count,
+	const size_t first, const size_t end, const size_t samples, const size_t room)
+{
+	for (size_t r = 0; r < rows; r++) {
+		for (size_t k = 0; k < samples; k++)
+			to[r*room + k] = from[r*count + end - 1];
+		for (size_t k = first; k < end; k++)
+			to[r*room + k - first] = from[r*count + k];
+	}
+}
+
+static void atlas_scatter(const double *restrict from, double *restrict to, const size_t rows, const size_t count,
+	const size_t first, const size_t end, const size_t room)
+{
+	for (size_t r = 0; r < rows; r++)
+		for (size_t k = first; k < end; k++)
+			to[r*count + k] = from[r*room + k - first];
+}
+
 static RNEA_ALONE void atlas_rnea_lanes0(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
@@ -5898,26 +5944,71 @@ static void atlas_rnea_any(const double *q, const double *qd, const double *qdd,
 	atlas_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
-/* Each segment runs for 16 samples before the next one does where their angles are small, which is the rule. */
+/* 16 samples from `first` on where their angles are small, which is the rule: each segment runs for all of them before
+   the next one does. */
+static RNEA_ALONE void atlas_rnea_group(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, const size_t first)
+{
+	RNEA_ALIGNED double across[1264];
+
+	atlas_rnea_lanes0(q, qd, qdd, tau, count, first, across);
+	atlas_rnea_lanes1(q, qd, qdd, tau, count, first, across);
+	atlas_rnea_lanes2(q, qd, qdd, tau, count, first, across);
+	atlas_rnea_lanes3(q, qd, qdd, tau, count, first, across);
+	atlas_rnea_lanes4(q, qd, qdd, tau, count, first, across);
+	atlas_rnea_lanes5(q, qd, qdd, tau, count, first, across);
+}
+
+/* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
+static RNEA_ALONE void atlas_rnea_few(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, const size_t first, const size_t end)
+{
+	const size_t samples = (end - first + 16 - 1)/16*16;
+	RNEA_ALIGNED double few_q[30*16];
+	RNEA_ALIGNED double few_qd[30*16];
+	RNEA_ALIGNED double few_qdd[30*16];
+	RNEA_ALIGNED double few_tau[30*16];
+
+	atlas_gather(few_q, q, 30, count, first, end, samples, 16);
+	atlas_gather(few_qd, qd, 30, count, first, end, samples, 16);
+	atlas_gather(few_qdd, qdd, 30, count, first, end, samples, 16);
+	atlas_rnea_group(few_q, few_qd, few_qdd, few_tau, 16, 0);
+	atlas_scatter(few_tau, tau, 30, count, first, end, 16);
+}
+
+static RNEA_ALONE void atlas_rnea_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		atlas_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+}
+
+/* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
+   faster than each by itself. */
+static void atlas_rnea_rest(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, const size_t begin, const size_t first, const size_t end)
+{
+	if (end - first >= RNEA_WORTH(16) && end - begin >= 16 && atlas_are_small(q, count, end - 16, end))
+		atlas_rnea_group(q, qd, qdd, tau, count, end - 16);
+	else if (end - first > RNEA_WORTH(16) && atlas_are_small(q, count, first, end))
+		atlas_rnea_few(q, qd, qdd, tau, count, first, end);
+	else
+		atlas_rnea_each(q, qd, qdd, tau, count, first, end);
+}
+
 static void atlas_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, size_t first, size_t end)
 {
-	double across[1264];
+	const size_t begin = first;
 
-	for (size_t next; first < end; first = next) {
-		next = end - first < 16 ? end : first + 16;
-		if (next - first == 16 && atlas_are_small(q, count, first, next)) {
-			atlas_rnea_lanes0(q, qd, qdd, tau, count, first, across);
-			atlas_rnea_lanes1(q, qd, qdd, tau, count, first, across);
-			atlas_rnea_lanes2(q, qd, qdd, tau, count, first, across);
-			atlas_rnea_lanes3(q, qd, qdd, tau, count, first, across);
-			atlas_rnea_lanes4(q, qd, qdd, tau, count, first, across);
-			atlas_rnea_lanes5(q, qd, qdd, tau, count, first, across);
-		} else {
-			for (size_t k = first; k < next; k++)
-				atlas_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
-		}
+	for (size_t next; end - first >= 16; first = next) {
+		next = first + 16;
+		if (atlas_are_small(q, count, first, next))
+			atlas_rnea_group(q, qd, qdd, tau, count, first);
+		else
+			atlas_rnea_each(q, qd, qdd, tau, count, first, next);
 	}
+	atlas_rnea_rest(q, qd, qdd, tau, count, begin, first, end);
 }
 
 #if defined RNEA_LANES
@@ -6115,27 +6206,55 @@ static void atlas_fpass_any(const double *q, const double *qd, const double *qdd
 	atlas_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
-/* Each segment runs for 64 samples before the next one does where their angles are small, which is the rule. */
+/* 64 samples from `first` on where their angles are small, which is the rule: each segment runs for all of them before
+   the next one does. */
+static RNEA_ALONE void atlas_fpass_group(const double *restrict q, const double *restrict qd,
+	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
+	const size_t first)
+{
+	RNEA_ALIGNED double across[2048];
+
+	atlas_fpass_lanes0(q, qd, qdd, v, a, f, count, first, across);
+	atlas_fpass_lanes1(q, qd, qdd, v, a, f, count, first, across);
+	atlas_fpass_lanes2(q, qd, qdd, v, a, f, count, first, across);
+	atlas_fpass_lanes3(q, qd, qdd, v, a, f, count, first, across);
+	atlas_fpass_lanes4(q, qd, qdd, v, a, f, count, first, across);
+	atlas_fpass_lanes5(q, qd, qdd, v, a, f, count, first, across);
+	atlas_fpass_lanes6(q, qd, qdd, v, a, f, count, first, across);
+}
+
+static RNEA_ALONE void atlas_fpass_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		atlas_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
+}
+
+/* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
+   faster than each by itself. */
+static void atlas_fpass_rest(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t begin,
+	const size_t first, const size_t end)
+{
+	if (end - first >= RNEA_WORTH(64) && end - begin >= 64 && atlas_are_small(q, count, end - 64, end))
+		atlas_fpass_group(q, qd, qdd, v, a, f, count, end - 64);
+	else
+		atlas_fpass_each(q, qd, qdd, v, a, f, count, first, end);
+}
+
 static void atlas_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
 {
-	double across[2048];
+	const size_t begin = first;
 
-	for (size_t next; first < end; first = next) {
-		next = end - first < 64 ? end : first + 64;
-		if (next - first == 64 && atlas_are_small(q, count, first, next)) {
-			atlas_fpass_lanes0(q, qd, qdd, v, a, f, count, first, across);
-			atlas_fpass_lanes1(q, qd, qdd, v, a, f, count, first, across);
-			atlas_fpass_lanes2(q, qd, qdd, v, a, f, count, first, across);
-			atlas_fpass_lanes3(q, qd, qdd, v, a, f, count, first, across);
-			atlas_fpass_lanes4(q, qd, qdd, v, a, f, count, first, across);
-			atlas_fpass_lanes5(q, qd, qdd, v, a, f, count, first, across);
-			atlas_fpass_lanes6(q, qd, qdd, v, a, f, count, first, across);
-		} else {
-			for (size_t k = first; k < next; k++)
-				atlas_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
-		}
+	for (size_t next; end - first >= 64; first = next) {
+		next = first + 64;
+		if (atlas_are_small(q, count, first, next))
+			atlas_fpass_group(q, qd, qdd, v, a, f, count, first);
+		else
+			atlas_fpass_each(q, qd, qdd, v, a, f, count, first, next);
 	}
+	atlas_fpass_rest(q, qd, qdd, v, a, f, count, begin, first, end);
 }
 
 void atlas_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f)
@@ -6157,21 +6276,64 @@ static void atlas_bpass_any(const double *q, const double *f, double *tau, const
 	atlas_bpass_body(q, f, tau, stride, 1, sines);
 }
 
-/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-RNEA_VECTORS static void atlas_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau,
-	size_t count, size_t first, size_t end)
+/* `samples` in a row where their angles are small, which is the rule: a multiple of 4, so that vectors
+   have no rest. */
+RNEA_VECTORS static RNEA_LOOP void atlas_bpass_group(const double *restrict q, const double *restrict f,
+	double *restrict tau, size_t count, const size_t first, const size_t samples)
 {
-	for (size_t next; first < end; first = next) {
-		next = end - first < 256 ? end : first + 256;
-		if (atlas_are_small(q, count, first, next)) {
-			RNEA_INDEPENDENT
-			for (size_t k = first; k < next; k++)
-				atlas_bpass_body(q + k, f + k, tau + k, count, 0, 0);
-		} else {
-			for (size_t k = first; k < next; k++)
-				atlas_bpass_any(q + k, f + k, tau + k, count);
-		}
+	RNEA_INDEPENDENT
+	for (size_t k = first; k < first + samples/4*4; k++)
+		atlas_bpass_body(q + k, f + k, tau + k, count, 0, 0);
+}
+
+/* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
+static RNEA_ALONE void atlas_bpass_few(const double *restrict q, const double *restrict f, double *restrict tau,
+	size_t count, const size_t first, const size_t end)
+{
+	const size_t samples = (end - first + 4 - 1)/4*4;
+	RNEA_ALIGNED double few_q[30*4];
+	RNEA_ALIGNED double few_f[180*4];
+	RNEA_ALIGNED double few_tau[30*4];
+
+	atlas_gather(few_q, q, 30, count, first, end, samples, 4);
+	atlas_gather(few_f, f, 180, count, first, end, samples, 4);
+	atlas_bpass_group(few_q, few_f, few_tau, 4, 0, samples);
+	atlas_scatter(few_tau, tau, 30, count, first, end, 4);
+}
+
+static RNEA_ALONE void atlas_bpass_each(const double *restrict q, const double *restrict f, double *restrict tau,
+	size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		atlas_bpass_any(q + k, f + k, tau + k, count);
+}
+
+/* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
+   faster than each by itself. */
+static void atlas_bpass_rest(const double *restrict q, const double *restrict f, double *restrict tau, size_t count,
+	const size_t begin, const size_t first, const size_t end)
+{
+	if (end - first >= RNEA_WORTH(4) && end - begin >= 4 && atlas_are_small(q, count, end - 4, end))
+		atlas_bpass_group(q, f, tau, count, end - 4, 4);
+	else if (end - first > RNEA_WORTH(4) && atlas_are_small(q, count, first, end))
+		atlas_bpass_few(q, f, tau, count, first, end);
+	else
+		atlas_bpass_each(q, f, tau, count, first, end);
+}
+
+static void atlas_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count,
+	size_t first, size_t end)
+{
+	const size_t begin = first;
+
+	for (size_t next; end - first >= 4; first = next) {
+		next = first + (end - first < 256 ? (end - first)/4*4 : 256);
+		if (atlas_are_small(q, count, first, next))
+			atlas_bpass_group(q, f, tau, count, first, next - first);
+		else
+			atlas_bpass_each(q, f, tau, count, first, next);
 	}
+	atlas_bpass_rest(q, f, tau, count, begin, first, end);
 }
 
 void atlas_bpass(const double *q, const double *f, double *tau)

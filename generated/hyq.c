@@ -106,11 +106,36 @@ below */
 #else
 #define RNEA_ALONE
 #endif
+/* a loop of a short text: in a function of its own clang does not align the stack of its vectors */
+#if defined __clang__
+#define RNEA_LOOP inline __attribute__((always_inline))
+#else
+#define RNEA_LOOP RNEA_ALONE
+#endif
 /* gcc does so for short texts at -O2 too, as at -O3 */
 #if defined __GNUC__ && !defined __clang__ && defined __OPTIMIZE__ && !defined __OPTIMIZE_SIZE__
 #define RNEA_VECTORS __attribute__((optimize("tree-vectorize", "vect-cost-model=dynamic")))
 #else
 #define RNEA_VECTORS
+#endif
+
+/* so that vectors lie in one line of the cache each */
+#if defined __GNUC__
+#define RNEA_ALIGNED __attribute__((aligned(64)))
+#else
+#define RNEA_ALIGNED
+#endif
+/* From so many samples on a group of `n` is faster than each by itself. */
+#if !defined __OPTIMIZE__ || defined __OPTIMIZE_SIZE__
+#define RNEA_WORTH(n) (n)
+#elif defined __AVX512F__ && defined __clang__ /* whose vectors are longer than a group of a short text */
+#define RNEA_WORTH(n) ((n) > 8 ? (n)/3 + 1 : (n))
+#elif defined __AVX512F__
+#define RNEA_WORTH(n) ((n)/3 + 1)
+#elif defined __AVX__
+#define RNEA_WORTH(n) ((n)/2)
+#else
+#define RNEA_WORTH(n) (2*(n)/3 + 1)
 #endif
 
 
@@ -3424,6 +3449,27 @@ static int hyq_are_small(const double *q, size_t count, size_t first, size_t end
 	return small;
 }
 
+/* Samples first to end - 1 of `from`, and the last one again and again until there are `samples`, to [row][room]; and
+   back. */
+static void hyq_gather(double *restrict to, const double *restrict from, const size_t rows, const size_t count,
+	const size_t first, const size_t end, const size_t samples, const size_t room)
+{
+	for (size_t r = 0; r < rows; r++) {
+		for (size_t k = 0; k < samples; k++)
+			to[r*room + k] = from[r*count + end - 1];
+		for (size_t k = first; k < end; k++)
+			to[r*room + k - first] = from[r*count + k];
+	}
+}
+
+static void hyq_scatter(const double *restrict from, double *restrict to, const size_t rows, const size_t count,
+	const size_t first, const size_t end, const size_t room)
+{
+	for (size_t r = 0; r < rows; r++)
+		for (size_t k = first; k < end; k++)
+			to[r*count + k] = from[r*room + k - first];
+}
+
 static RNEA_ALONE void hyq_rnea_lanes0(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
@@ -3493,24 +3539,69 @@ static void hyq_rnea_any(const double *q, const double *qd, const double *qdd, d
 	hyq_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
-/* Each segment runs for 32 samples before the next one does where their angles are small, which is the rule. */
+/* 32 samples from `first` on where their angles are small, which is the rule: each segment runs for all of them before
+   the next one does. */
+static RNEA_ALONE void hyq_rnea_group(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, const size_t first)
+{
+	RNEA_ALIGNED double across[1088];
+
+	hyq_rnea_lanes0(q, qd, qdd, tau, count, first, across);
+	hyq_rnea_lanes1(q, qd, qdd, tau, count, first, across);
+	hyq_rnea_lanes2(q, qd, qdd, tau, count, first, across);
+	hyq_rnea_lanes3(q, qd, qdd, tau, count, first, across);
+}
+
+/* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
+static RNEA_ALONE void hyq_rnea_few(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, const size_t first, const size_t end)
+{
+	const size_t samples = (end - first + 32 - 1)/32*32;
+	RNEA_ALIGNED double few_q[19*32];
+	RNEA_ALIGNED double few_qd[18*32];
+	RNEA_ALIGNED double few_qdd[18*32];
+	RNEA_ALIGNED double few_tau[18*32];
+
+	hyq_gather(few_q, q, 19, count, first, end, samples, 32);
+	hyq_gather(few_qd, qd, 18, count, first, end, samples, 32);
+	hyq_gather(few_qdd, qdd, 18, count, first, end, samples, 32);
+	hyq_rnea_group(few_q, few_qd, few_qdd, few_tau, 32, 0);
+	hyq_scatter(few_tau, tau, 18, count, first, end, 32);
+}
+
+static RNEA_ALONE void hyq_rnea_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		hyq_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+}
+
+/* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
+   faster than each by itself. */
+static void hyq_rnea_rest(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, const size_t begin, const size_t first, const size_t end)
+{
+	if (end - first >= RNEA_WORTH(32) && end - begin >= 32 && hyq_are_small(q, count, end - 32, end))
+		hyq_rnea_group(q, qd, qdd, tau, count, end - 32);
+	else if (end - first > RNEA_WORTH(32) && hyq_are_small(q, count, first, end))
+		hyq_rnea_few(q, qd, qdd, tau, count, first, end);
+	else
+		hyq_rnea_each(q, qd, qdd, tau, count, first, end);
+}
+
 static void hyq_rnea_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, size_t first, size_t end)
 {
-	double across[1088];
+	const size_t begin = first;
 
-	for (size_t next; first < end; first = next) {
-		next = end - first < 32 ? end : first + 32;
-		if (next - first == 32 && hyq_are_small(q, count, first, next)) {
-			hyq_rnea_lanes0(q, qd, qdd, tau, count, first, across);
-			hyq_rnea_lanes1(q, qd, qdd, tau, count, first, across);
-			hyq_rnea_lanes2(q, qd, qdd, tau, count, first, across);
-			hyq_rnea_lanes3(q, qd, qdd, tau, count, first, across);
-		} else {
-			for (size_t k = first; k < next; k++)
-				hyq_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
-		}
+	for (size_t next; end - first >= 32; first = next) {
+		next = first + 32;
+		if (hyq_are_small(q, count, first, next))
+			hyq_rnea_group(q, qd, qdd, tau, count, first);
+		else
+			hyq_rnea_each(q, qd, qdd, tau, count, first, next);
 	}
+	hyq_rnea_rest(q, qd, qdd, tau, count, begin, first, end);
 }
 
 #if defined RNEA_LANES
@@ -3641,24 +3732,74 @@ static void hyq_fpass_any(const double *q, const double *qd, const double *qdd, 
 	hyq_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
-/* Each segment runs for 32 samples before the next one does where their angles are small, which is the rule. */
+/* 32 samples from `first` on where their angles are small, which is the rule: each segment runs for all of them before
+   the next one does. */
+static RNEA_ALONE void hyq_fpass_group(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t first)
+{
+	RNEA_ALIGNED double across[1280];
+
+	hyq_fpass_lanes0(q, qd, qdd, v, a, f, count, first, across);
+	hyq_fpass_lanes1(q, qd, qdd, v, a, f, count, first, across);
+	hyq_fpass_lanes2(q, qd, qdd, v, a, f, count, first, across);
+	hyq_fpass_lanes3(q, qd, qdd, v, a, f, count, first, across);
+}
+
+/* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
+static RNEA_ALONE void hyq_fpass_few(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t first, const size_t end)
+{
+	const size_t samples = (end - first + 32 - 1)/32*32;
+	RNEA_ALIGNED double few_q[19*32];
+	RNEA_ALIGNED double few_qd[18*32];
+	RNEA_ALIGNED double few_qdd[18*32];
+	RNEA_ALIGNED double few_v[78*32];
+	RNEA_ALIGNED double few_a[78*32];
+	RNEA_ALIGNED double few_f[78*32];
+
+	hyq_gather(few_q, q, 19, count, first, end, samples, 32);
+	hyq_gather(few_qd, qd, 18, count, first, end, samples, 32);
+	hyq_gather(few_qdd, qdd, 18, count, first, end, samples, 32);
+	hyq_fpass_group(few_q, few_qd, few_qdd, few_v, few_a, few_f, 32, 0);
+	hyq_scatter(few_v, v, 78, count, first, end, 32);
+	hyq_scatter(few_a, a, 78, count, first, end, 32);
+	hyq_scatter(few_f, f, 78, count, first, end, 32);
+}
+
+static RNEA_ALONE void hyq_fpass_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		hyq_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
+}
+
+/* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
+   faster than each by itself. */
+static void hyq_fpass_rest(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t begin,
+	const size_t first, const size_t end)
+{
+	if (end - first >= RNEA_WORTH(32) && end - begin >= 32 && hyq_are_small(q, count, end - 32, end))
+		hyq_fpass_group(q, qd, qdd, v, a, f, count, end - 32);
+	else if (end - first > RNEA_WORTH(32) && hyq_are_small(q, count, first, end))
+		hyq_fpass_few(q, qd, qdd, v, a, f, count, first, end);
+	else
+		hyq_fpass_each(q, qd, qdd, v, a, f, count, first, end);
+}
+
 static void hyq_fpass_part(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, size_t first, size_t end)
 {
-	double across[1280];
+	const size_t begin = first;
 
-	for (size_t next; first < end; first = next) {
-		next = end - first < 32 ? end : first + 32;
-		if (next - first == 32 && hyq_are_small(q, count, first, next)) {
-			hyq_fpass_lanes0(q, qd, qdd, v, a, f, count, first, across);
-			hyq_fpass_lanes1(q, qd, qdd, v, a, f, count, first, across);
-			hyq_fpass_lanes2(q, qd, qdd, v, a, f, count, first, across);
-			hyq_fpass_lanes3(q, qd, qdd, v, a, f, count, first, across);
-		} else {
-			for (size_t k = first; k < next; k++)
-				hyq_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
-		}
+	for (size_t next; end - first >= 32; first = next) {
+		next = first + 32;
+		if (hyq_are_small(q, count, first, next))
+			hyq_fpass_group(q, qd, qdd, v, a, f, count, first);
+		else
+			hyq_fpass_each(q, qd, qdd, v, a, f, count, first, next);
 	}
+	hyq_fpass_rest(q, qd, qdd, v, a, f, count, begin, first, end);
 }
 
 void hyq_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f)
@@ -3680,21 +3821,64 @@ static void hyq_bpass_any(const double *q, const double *f, double *tau, const s
 	hyq_bpass_body(q, f, tau, stride, 1, sines);
 }
 
-/* Where many samples in a row have small angles, which is the rule, several are computed at a time. */
-RNEA_VECTORS static void hyq_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau,
-	size_t count, size_t first, size_t end)
+/* `samples` in a row where their angles are small, which is the rule: a multiple of 4, so that vectors
+   have no rest. */
+RNEA_VECTORS static RNEA_LOOP void hyq_bpass_group(const double *restrict q, const double *restrict f,
+	double *restrict tau, size_t count, const size_t first, const size_t samples)
 {
-	for (size_t next; first < end; first = next) {
-		next = end - first < 256 ? end : first + 256;
-		if (hyq_are_small(q, count, first, next)) {
-			RNEA_INDEPENDENT
-			for (size_t k = first; k < next; k++)
-				hyq_bpass_body(q + k, f + k, tau + k, count, 0, 0);
-		} else {
-			for (size_t k = first; k < next; k++)
-				hyq_bpass_any(q + k, f + k, tau + k, count);
-		}
+	RNEA_INDEPENDENT
+	for (size_t k = first; k < first + samples/4*4; k++)
+		hyq_bpass_body(q + k, f + k, tau + k, count, 0, 0);
+}
+
+/* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
+static RNEA_ALONE void hyq_bpass_few(const double *restrict q, const double *restrict f, double *restrict tau,
+	size_t count, const size_t first, const size_t end)
+{
+	const size_t samples = (end - first + 4 - 1)/4*4;
+	RNEA_ALIGNED double few_q[19*4];
+	RNEA_ALIGNED double few_f[78*4];
+	RNEA_ALIGNED double few_tau[18*4];
+
+	hyq_gather(few_q, q, 19, count, first, end, samples, 4);
+	hyq_gather(few_f, f, 78, count, first, end, samples, 4);
+	hyq_bpass_group(few_q, few_f, few_tau, 4, 0, samples);
+	hyq_scatter(few_tau, tau, 18, count, first, end, 4);
+}
+
+static RNEA_ALONE void hyq_bpass_each(const double *restrict q, const double *restrict f, double *restrict tau,
+	size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		hyq_bpass_any(q + k, f + k, tau + k, count);
+}
+
+/* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
+   faster than each by itself. */
+static void hyq_bpass_rest(const double *restrict q, const double *restrict f, double *restrict tau, size_t count,
+	const size_t begin, const size_t first, const size_t end)
+{
+	if (end - first >= RNEA_WORTH(4) && end - begin >= 4 && hyq_are_small(q, count, end - 4, end))
+		hyq_bpass_group(q, f, tau, count, end - 4, 4);
+	else if (end - first > RNEA_WORTH(4) && hyq_are_small(q, count, first, end))
+		hyq_bpass_few(q, f, tau, count, first, end);
+	else
+		hyq_bpass_each(q, f, tau, count, first, end);
+}
+
+static void hyq_bpass_part(const double *restrict q, const double *restrict f, double *restrict tau, size_t count,
+	size_t first, size_t end)
+{
+	const size_t begin = first;
+
+	for (size_t next; end - first >= 4; first = next) {
+		next = first + (end - first < 256 ? (end - first)/4*4 : 256);
+		if (hyq_are_small(q, count, first, next))
+			hyq_bpass_group(q, f, tau, count, first, next - first);
+		else
+			hyq_bpass_each(q, f, tau, count, first, next);
 	}
+	hyq_bpass_rest(q, f, tau, count, begin, first, end);
 }
 
 void hyq_bpass(const double *q, const double *f, double *tau)

@@ -26,7 +26,8 @@ extern const char template_alone_in[], template_launch_alone_in[];
 extern const char template_zeros_in[], template_zeros_table_in[], template_zeros_loop_in[];
 extern const char template_function_c_in[], template_function_h_in[], template_header_h_in[], template_further_h_in[],
 	template_body_in[], template_is_small_in[];
-extern const char template_head_c_in[], template_part_in[], template_part_accurate_in[], template_are_small_in[];
+extern const char template_head_c_in[], template_part_in[], template_are_small_in[], template_any_in[];
+extern const char template_part_small_in[], template_part_any_in[], template_part_each_in[], template_part_turned_in[], template_group_in[], template_group_segments_in[], template_few_in[], template_gather_in[], template_gather_aos_in[];
 extern const char template_anew_in[], template_arithmetic_c_in[], template_arithmetic_cuda_in[], template_arithmetic_header_in[];
 extern const char template_arithmetic_strict_c_in[], template_arithmetic_strict_cuda_in[], template_arithmetic_strict_flush_in[];
 extern const char template_bounded_in[], template_bounded_sincos_in[], template_bounded_store_in[],
@@ -36,7 +37,7 @@ extern const char template_parts_in[], template_kernel_apart_in[];
 extern const char template_kernel_tiles_in[], template_tiles_in[], template_tiles_out_in[], template_tiles_leave_in[],
 	template_tiles_launch_in[];
 extern const char template_parts_apart_in[], template_launch_hands_in[], template_stage_rows_aos_in[], template_stage_join_in[];
-extern const char template_segment_in[], template_segment_lanes_in[], template_segment_one_in[], template_part_segments_in[];
+extern const char template_segment_in[], template_segment_lanes_in[], template_segment_one_in[];
 extern const char template_segments_one_in[], template_header_lanes_in[], template_header_lanes_end_in[];
 extern const char template_segment_columns_in[], template_segment_columns_row_in[], template_segment_columns_put_in[];
 extern const char template_kernel_solve_in[], template_kernel_columns_in[], template_launch_relay_in[];

@@ -8,7 +8,8 @@
 #
 # Generates the inverse dynamics of the robot when <target> is built, compiles the text into <target> with nvcc or the
 # C compiler, and puts "<name>_rnea.h", which declares its functions (TARGET header: defines them), on the include path.
-# The text is made again when the URDF or the generator changes. <target> is to be made in the same CMakeLists.txt.
+# The text is made again when the URDF or the generator changes. <target> is to be made in the same CMakeLists.txt. Where the project
+# chooses no build type, and no -O, a C text is compiled with -O2: without it calls take eight times as long.
 include_guard(GLOBAL)
 
 function(rneagen_add_kernel target urdf)
@@ -42,7 +43,24 @@ function(rneagen_add_kernel target urdf)
 		rneagen_write_scene(${scene} ${arg_SCENE})
 		list(APPEND words --scene ${scene})
 	endif()
+	rneagen_check_name(${target} ${arg_NAME})
 	rneagen_generate(${target} "${urdf}" ${arg_TARGET} ${arg_NAME} ${words} ${arg_OPTIONS})
+endfunction()
+
+# Two texts of one target are two files, and their functions have two prefixes.
+function(rneagen_check_name target name)
+	get_property(names TARGET ${target} PROPERTY RNEAGEN_NAMES)
+	if(name IN_LIST names)
+		message(FATAL_ERROR "rneagen_add_kernel(${target}): it has a text named '${name}' already: give this one another NAME")
+	endif()
+	set_property(TARGET ${target} APPEND PROPERTY RNEAGEN_NAMES ${name})
+endfunction()
+
+# A text is slow where nothing is optimised, and a project that says nothing did not ask for that.
+function(rneagen_optimise source)
+	if(CMAKE_C_COMPILER_ID MATCHES "GNU|Clang" AND NOT CMAKE_C_FLAGS MATCHES "-O")
+		set_property(SOURCE ${source} APPEND PROPERTY COMPILE_OPTIONS $<$<CONFIG:>:-O2>)
+	endif()
 endfunction()
 
 # A file that is written only when its lines change, so that what depends on it is not made again for nothing.
@@ -111,6 +129,9 @@ function(rneagen_generate target urdf kind name)
 		${declare}
 		DEPENDS ${urdf} ${scene} $<TARGET_FILE:rneagen::command>
 		COMMENT "rneagen: ${name}_rnea" VERBATIM)
+	if(kind STREQUAL "c")
+		rneagen_optimise(${source})
+	endif()
 	target_sources(${target} PRIVATE ${outputs})
 	target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${directory}>)
 	# by property: target_link_libraries() would impose its plain or keyword form on the caller

@@ -194,6 +194,15 @@ static const char *info_text(const struct emission *e)
 	return text_string(&t);
 }
 
+/* A compiler that is asked for ISO C warns of a string that is longer than that promises: 4095 characters. */
+static const char *long_info_text(const struct emission *e)
+{
+	enum { PROMISED = 4095 };
+
+	return strlen(info_text(e)) <= PROMISED ? "" :
+		"#if defined __GNUC__\n#pragma GCC diagnostic ignored \"-Woverlength-strings\"\n#endif\n";
+}
+
 int emit_has_segments(const struct emission *e)
 {
 	if (e->relay || emit_main(e)->beside)
@@ -296,7 +305,7 @@ void emit_source(const struct emission *e, struct text *out)
 	text_init(&kernels, e->arena);
 	emit_kernels(e, &kernels);
 	const struct slot slots[] = {
-		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)}, {"PATTERNS", emit_patterns(e)},
+		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)}, {"LONG_INFO", long_info_text(e)}, {"PATTERNS", emit_patterns(e)},
 		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
 		{"KNOWN_MACROS", emit_has_known(e) ? template_header_known_in : ""},
 		{"UNDEF_KNOWN", emit_has_known(e) ? "#undef RNEA_KNOWN\n" : ""},

@@ -249,7 +249,8 @@ int emit_has_segments(const struct emission *e);
 /* A pass in segments: the body of each; target C: the functions of a sample and of a part of a batch; CUDA: its kernel. */
 void emit_segments(const struct emission *e, const struct pass *p, struct text *out);
 void emit_segments_one(const struct emission *e, const struct pass *p, struct text *out);
-void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, struct text *out);
+void emit_segments_group(const struct emission *e, const struct pass *p, const char *where_small, struct text *out);
+int emit_segments_lanes(const struct emission *e, const struct pass *p); /* samples of such a group */
 
 /* What a call of one sample runs in lanes, and a batch does not; NULL: there is nothing. Its bodies, and the function, of a pass
    that has such or has not. */
@@ -261,6 +262,7 @@ void emit_lanes_call_bodies(const struct emission *e, const struct pass *p, stru
 void emit_lanes_call(const struct emission *e, const struct pass *p, struct text *out);
 /* What the function of one sample does. */
 const char *emit_one_call(const struct emission *e, const struct pass *p);
+const char *emit_any_name(const struct emission *e, const struct pass *p); /* of the function of one sample, with any angles */
 
 /* The arrays of what goes across cuts, or the one that there is: as parameters; the same where compilers are to know that they
    overlap nothing; as those of a segment, for its first sample; their names; their declarations with room for a sample, or for some

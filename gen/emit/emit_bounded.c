@@ -181,6 +181,7 @@ static const char *inputs_text(const struct emission *e, const struct dag *d)
 	for (int a = 0; a < d->argument_count; a++)
 		if (!d->arguments[a].is_output)
 			text_printf(&t, "%s%s", t.length ? ", " : "", d->arguments[a].name);
+	text_put(&t, t.length ? "" : "0"); /* braces of an array are not empty */
 	return text_string(&t);
 }
 

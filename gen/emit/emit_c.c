@@ -1,5 +1,5 @@
 /* The C functions around the bodies: of texts for target c, and of texts for CUDA where they are compiled as C. */
-#include "emit/emit.h"
+#include "emit/emit_groups.h"
 #include "base/template.h"
 
 static int is_soa(const struct emission *e)
@@ -31,33 +31,24 @@ int emit_has_batches(const struct emission *e)
 	return e->target->kernel || (e->target->has_batches && !e->options->only_rnea);
 }
 
-/* Whether the angles of some samples are small: what reads no angle does not ask. */
-static const char *are_small(const struct emission *e, const struct pass *p)
+const char *emit_any_name(const struct emission *e, const struct pass *p)
 {
-	int q = dag_find_role(&p->dag, ROLE_JOINT_POSITION, 0);
-	struct text t;
-
-	text_init(&t, e->arena);
-	if (q < 0)
-		text_put(&t, "1");
-	else
-		text_printf(&t, "%s_are_small(%s, %sfirst, next)", e->options->name, p->dag.arguments[q].name,
-			is_soa(e) ? "count, " : "");
-	return text_string(&t);
+	return emit_has_known(e) || p->segments.count ? "any" : "body";
 }
 
-/* Where gcc computes several samples at a time without its -O3, which takes it ten times as long: atlas 47 s instead of 5. */
-enum { SHORT_FLOPS = 1500 };
-
-static const char *vectors_text(const struct pass *p)
+/* One sample, whatever its angles. */
+static void put_any(const struct emission *e, const struct pass *p, struct text *out)
 {
-	return plan_flops(plan_operations(&p->plan)) <= SHORT_FLOPS ? "RNEA_VECTORS " : "";
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"CALL_ANY", emit_call_any(e, p)}};
+
+	template_expand(out, template_any_in, slots, sizeof slots / sizeof *slots);
 }
 
 /* What the function of one sample does: the body itself where nothing else calls it. */
 const char *emit_one_call(const struct emission *e, const struct pass *p)
 {
-	const char *names = emit_params(e, p, PARAMS_NAMES), *what = emit_has_known(e) || p->segments.count ? "any" : "body";
+	const char *names = emit_params(e, p, PARAMS_NAMES), *what = emit_any_name(e, p);
 	const struct call body = {.indent = "\t", .arguments = names, .q = "q", .stride = "1", .is_any = e->target->has_batches};
 	const struct pass *lanes = emit_lanes_alone(p);
 	struct text t;
@@ -78,22 +69,18 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 {
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
-		{"ARE_SMALL", are_small(e, p)}, {"CALL", emit_one_call(e, p)},
-		{"CALL_ANY", emit_call_any(e, p)}, {"UNKNOWN", emit_unknown_names(e)},
-		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""}, {"COUNT", is_soa(e) ? "count, " : ""},
-		{"VECTORS", vectors_text(p)}, {"UNUSED", is_soa(e) ? "" : "\t(void)count;"},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
-		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"AT_SAMPLE", emit_at_sample(e, p)},
+		{"CALL", emit_one_call(e, p)}, {"COUNT", is_soa(e) ? "count, " : ""}, {"UNUSED", is_soa(e) ? "" : "\t(void)count;"},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
 		{"ARRAYS", emit_params(e, p, PARAMS_ARRAYS)},
 	};
 	size_t count = sizeof slots / sizeof *slots;
 
 	if (p->segments.count)
 		emit_segments_one(e, p, out);
-	if (emit_has_batches(e) && p->segments.count)
-		emit_segments_part(e, p, are_small(e, p), out);
-	else if (emit_has_batches(e))
-		template_expand(out, emit_has_known(e) ? template_part_accurate_in : template_part_in, slots, count);
+	else if (emit_has_batches(e) && emit_has_known(e))
+		put_any(e, p, out);
+	if (emit_has_batches(e))
+		emit_groups(e, p, out);
 	emit_lanes_call(e, p, out);
 	template_expand(out, template_function_one_in, slots, count);
 	if (!emit_has_batches(e))
@@ -114,6 +101,8 @@ const char *emit_functions_c(const struct emission *e)
 	text_put(&t, emit_has_batches(e) && !emit_has_segments(e) ? template_independent_in : "");
 	if (emit_has_known(e) && emit_has_batches(e))
 		template_expand(&t, template_are_small_in, slots, sizeof slots / sizeof *slots);
+	if (emit_has_batches(e))
+		emit_groups_moves(e, &t);
 	for (int i = 0; i < e->pass_count; i++) {
 		text_put(&t, i ? "\n" : "");
 		put_functions(e, &e->passes[i], &t);

@@ -3,6 +3,7 @@
 #include "base/template.h"
 #include "emit/columns/emit_columns.h"
 #include "emit/columns/emit_way_back.h"
+#include "emit/emit_groups.h"
 #include "emit/unparse.h"
 #include "plan/stage.h"
 
@@ -50,7 +51,7 @@ static void put_form(const struct across *x, enum across_form form, int lanes, s
 		break;
 	case ACROSS_LOCAL:
 	case ACROSS_LANES:
-		text_printf(out, "\t%s %s[%d];", x->type, x->name, slots * lanes);
+		text_printf(out, "\t%s%s %s[%d];", form == ACROSS_LANES ? "RNEA_ALIGNED " : "", x->type, x->name, slots * lanes);
 		break;
 	case ACROSS_SHARED:
 		text_printf(out, "\t__shared__ %s %s[%d*RNEA_SAMPLES*RNEA_BLOCK];", x->type, x->name, slots);
@@ -119,7 +120,7 @@ static void put_lane(const struct emission *e, const struct pass *p, const struc
 			continue;
 		text_printf(out, "\t%s%s *const %s = first_%s + l", a->is_output ? "" : "const ", e->memory->type,
 			a->name, a->name);
-		if (e->options->layout == RNEAGEN_AOS)
+		if (!emit_groups_have_rows(e, p))
 			text_printf(out, "*%d", a->rows);
 		text_put(out, ";\n");
 	}
@@ -234,8 +235,8 @@ static void put_lanes_function(const struct emission *e, const struct pass *p, i
 	const struct segments *s = &p->segments;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 		{"LANES", emit_int(e, emit_lanes(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
-		{"COUNT_PARAM", e->options->layout == RNEAGEN_SOA ? "size_t count, " : ""},
-		{"RESTRICT_ACROSS", emit_across(e, s, ACROSS_RESTRICT)}, {"AT_SAMPLE", emit_at_sample(e, p)},
+		{"COUNT_PARAM", emit_groups_have_rows(e, p) ? "size_t count, " : ""},
+		{"RESTRICT_ACROSS", emit_across(e, s, ACROSS_RESTRICT)}, {"AT_SAMPLE", emit_groups_at_sample(e, p)},
 		{"ACROSS_NAMES", emit_across(e, s, ACROSS_NAME)}, {"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
 
 	template_expand(out, template_segment_lanes_in, slots, sizeof slots / sizeof *slots);
@@ -305,7 +306,7 @@ static const char *lanes_calls(const struct emission *e, const struct pass *p)
 		if (emit_is_loop(p, k))
 			emit_columns_many_calls(e, p, k, &t);
 		else
-			put_call(e, p, k, "\t\t\t", "lanes", e->options->layout == RNEAGEN_SOA ? "count, first" : "first", "", &t);
+			put_call(e, p, k, "\t", "lanes", emit_groups_have_rows(e, p) ? "count, first" : "first", "", &t);
 	return text_string(&t);
 }
 
@@ -363,16 +364,6 @@ void emit_lanes_call(const struct emission *e, const struct pass *of, struct tex
 	template_expand(out, template_lanes_call_in, slots, sizeof slots / sizeof *slots);
 }
 
-static const char *and_small(const struct emission *e, const char *are_small)
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	if (emit_has_known(e))
-		text_printf(&t, " && %s", are_small);
-	return text_string(&t);
-}
-
 void emit_segments_one(const struct emission *e, const struct pass *p, struct text *out)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
@@ -386,15 +377,17 @@ void emit_segments_one(const struct emission *e, const struct pass *p, struct te
 	text_put(out, emit_lanes_instead(e, p) ? "#endif\n" : "");
 }
 
-void emit_segments_part(const struct emission *e, const struct pass *p, const char *are_small, struct text *out)
+void emit_segments_group(const struct emission *e, const struct pass *p, const char *where_small, struct text *out)
 {
-	const struct segments *s = &many_of(p)->segments;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
-		{"WHERE_SMALL", emit_has_known(e) ? " where their angles are small, which is the rule" : ""},
-		{"AND_SMALL", and_small(e, are_small)}, {"COUNT_PARAM", e->options->layout == RNEAGEN_SOA ? "size_t count, " : ""},
-		{"AT_SAMPLE", emit_at_sample(e, p)}, {"LANES", emit_int(e, emit_lanes(e, s))},
+		{"GROUP", emit_int(e, emit_lanes(e, &many_of(p)->segments))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
+		{"WHERE_SMALL", where_small}, {"COUNT_PARAM", emit_groups_have_rows(e, p) ? "size_t count, " : ""},
 		{"CALLS", lanes_calls(e, many_of(p))}, {"DECLARATIONS", emit_columns_many_declarations(e, many_of(p))}};
 
-	template_expand(out, template_part_segments_in, slots, sizeof slots / sizeof *slots);
+	template_expand(out, template_group_segments_in, slots, sizeof slots / sizeof *slots);
+}
+
+int emit_segments_lanes(const struct emission *e, const struct pass *p)
+{
+	return emit_lanes(e, &many_of(p)->segments);
 }

@@ -20,6 +20,12 @@ static double largest_offset(const struct request *k)
 	return most;
 }
 
+/* The largest magnitude of what a joint is turned by: a row that is given is a constant, but beside a free offset. */
+static double largest(const struct request *k, int row)
+{
+	return k->q[row].is_given ? fabs((double)k->q[row].value.x) : stated(k, "q", row);
+}
+
 int request_bounds_angles(const struct request *k, const struct tree *t, double most)
 {
 	double offset = largest_offset(k);
@@ -31,9 +37,9 @@ int request_bounds_angles(const struct request *k, const struct tree *t, double 
 
 		if (b->type != JOINT_REVOLUTE && b->type != JOINT_CONTINUOUS && b->type != JOINT_PLANAR)
 			continue;
-		if (k->q[row].is_given)
+		if (k->q[row].is_given && offset == 0)
 			continue;
-		if (!(fabs((double)b->multiplier.x) * (stated(k, "q", row) + offset) <= most))
+		if (!(fabs((double)b->multiplier.x) * (largest(k, row) + offset) <= most))
 			return 0;
 		count++;
 	}

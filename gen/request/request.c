@@ -62,6 +62,8 @@ const char *request_argument(const struct resolver *x, const char *word)
 			taken |= !strcmp(k->pushes[i].argument, text_string(&t));
 		for (int i = 0; i < k->want_count; i++)
 			taken |= !strcmp(k->wants[i].argument, text_string(&t));
+		for (int i = 0; i < k->by_count; i++)
+			taken |= !strcmp(k->by[i].direction, text_string(&t));
 		if (!taken || x->a->failed)
 			return text_string(&t);
 	}
@@ -219,6 +221,9 @@ static void set_dynamics(const struct resolver *x, struct within *by_body, int i
 	}
 }
 
+/* Its square, and that of a hundred thousandth of it, a follower's, has to be a normal float. */
+#define LEAST_WIDTH 1e-12
+
 /* The width, in rad/s or m/s, is the velocity at which friction has grown to 1/sqrt(2) of its size. */
 static enum rneagen_code set_friction(const struct resolver *x, const struct scene_choice *c)
 {
@@ -226,9 +231,9 @@ static enum rneagen_code set_friction(const struct resolver *x, const struct sce
 
 	if (c->value && scene_numbers(x->s, c, &width, 1, x->e))
 		return x->e->code;
-	if (!(width.x > 0))
-		return scene_refuse(x->s, c, x->e, "a width of %g rad/s or m/s is none: friction must be smooth",
-			(double)width.x);
+	if (!(width.x >= LEAST_WIDTH))
+		return scene_refuse(x->s, c, x->e, "a width of %g rad/s or m/s is none: friction must be smooth, in f32 too, "
+			"so at least %g", (double)width.x, LEAST_WIDTH);
 	x->k->friction_width = width;
 	set_dynamics(x, x->k->friction, 1);
 	return RNEAGEN_OK;

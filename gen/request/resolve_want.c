@@ -101,6 +101,8 @@ enum rneagen_code request_add_want(const struct resolver *x, const struct scene_
 	for (int i = 0; i < x->k->want_count; i++)
 		if (!strcmp(x->k->wants[i].word, w->word))
 			return scene_refuse(x->s, c, x->e, "'%.255s' is wanted already", w->word);
+		else if (request_is_same(&x->k->wants[i], w) && !want_is(w->kind, IS_PRODUCT))
+			return scene_refuse(x->s, c, x->e, "'%.255s' is wanted already, as '%.255s'", w->word, x->k->wants[i].word);
 	x->k->wants[x->k->want_count++] = *w;
 	x->k->is_forward |= want_is(w->kind, FINDS_QDD);
 	return RNEAGEN_OK;

@@ -83,12 +83,27 @@ static int find_key(const char *word, size_t length)
 	return -1;
 }
 
+/* Is it an option that says how a text is written, and not what of the robot is modelled? */
+static int is_other_option(const char *word)
+{
+	static const char *const words[] = {"base", "bounded", "gravity", "layout", "limbs", "mimic", "name", "only", "order", "parts",
+		"precision", "segments", "strict", "target", "trig"};
+
+	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+		if (!strcmp(word, words[i]))
+			return 1;
+	return 0;
+}
+
 static enum rneagen_code refuse_word(const struct reader *r, const char *word, size_t length)
 {
 	const char *copy = arena_string(r->a, word, length), *meant;
 
 	if (!copy)
 		return error_memory(r->e);
+	if (is_other_option(copy))
+		return error_set(r->e, RNEAGEN_SCENE, "%s: scene line %d: '%s' is no word of a scene, but an option: --%s, in CMake a "
+			"keyword, in Python %s=", r->s->file, r->told ? r->told : r->line, copy, copy, copy);
 	meant = nearest_name(copy, WORDS, SCENE_KEY_COUNT, sizeof *WORDS);
 	return error_set(r->e, RNEAGEN_SCENE, "%s: scene line %d: '%.255s' is not known%s%s%s", r->s->file,
 		r->told ? r->told : r->line, copy, meant ? "; did you mean '" : "", meant ? meant : "",

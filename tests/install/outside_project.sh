@@ -101,6 +101,10 @@ follows_the_urdf
 refused "there is no target 'none'" 'rneagen_add_kernel(none a.urdf)'
 refused "target 'theirs' is made elsewhere" 'rneagen_add_kernel(theirs a.urdf)'
 refused "not understood: PRECISON f32; keywords are TARGET NAME PRECISION" 'rneagen_add_kernel(mine a.urdf PRECISON f32)'
+refused "it has a text named 'a' already: give this one another NAME" $'enable_language(C)
+	add_library(two STATIC)
+	rneagen_add_kernel(two a.urdf)
+	rneagen_add_kernel(two a.urdf SCENE "want M")'
 refused "TARGET is cuda, c or header, not 'rust'" 'rneagen_add_kernel(mine a.urdf TARGET rust)'
 refused "TARGET cuda needs the language CUDA" 'rneagen_add_kernel(mine a.urdf TARGET cuda)'
 refused "TARGET c needs the language C" 'rneagen_add_kernel(mine a.urdf)'

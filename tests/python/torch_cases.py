@@ -278,6 +278,47 @@ def case_fake():
     assert robot(*(y.to("meta") for y in tensors(robot, 4))).shape == (4, 2)
 
 
+def case_odd_tensors():
+    """Tensors that are not plain memory, and a robot whose name begins with a digit."""
+    with open(robot_file("pendulum")) as file:
+        urdf = file.read()
+    digit = rneagen.load(urdf.replace('name="pendulum"', 'name="2 links"').encode())
+    q, qd, qdd = tensors(digit, 4)
+    assert digit.name == "2 links" and near(digit(q, qd, qdd), load("pendulum")(q, qd, qdd))
+    negated = torch.complex(torch.zeros_like(q), -q).conj().imag
+    assert negated.is_neg() and torch.equal(digit(negated, qd, qdd), digit(q, qd, qdd))
+    robot = load("iiwa14")
+    q, qd, qdd = tensors(robot, 2)
+    refused(ValueError, ["qd", "meta", "q on"], robot, q, qd.to("meta"), qdd)
+    freed = qd.clone()
+    freed.untyped_storage().resize_(0)
+    refused((ValueError, RuntimeError), ["qd"] if device == "cpu" else [], robot, q, freed, qdd)
+
+
+def case_many_gradients():
+    """Gradients for several vectors at once, and a Jacobian by them."""
+    robot = load("iiwa14")
+    q, qd, qdd = tensors(robot, 2)
+    q.requires_grad_()
+    w = torch.randn(3, 2, 7, dtype=torch.float64, generator=torch.Generator().manual_seed(SEED)).to(device)
+    tau = robot(q, qd, qdd)
+    right = torch.stack([torch.autograd.grad(tau, q, x, retain_graph=True)[0] for x in w])
+    assert near(torch.autograd.grad(tau, q, w, is_grads_batched=True)[0], right)
+    J = torch.autograd.functional.jacobian(lambda x: robot(x, qd, qdd), q.detach(), vectorize=True)
+    assert near(J[0, :, 0], robot.want("dtau_dq")(q.detach(), qd, qdd)[0]) and not J[0, :, 1].any()
+
+
+def case_pinocchio_names():
+    """With all that Pinocchio's functions take, where the robot reads less; constants come on the same device."""
+    robot = load("pendulum")
+    q, qd, qdd = tensors(robot, 4)
+    assert torch.equal(robot.rnea(q, qd, qdd), robot(q, qd, qdd))
+    M = robot.crba(q.float())
+    assert M.shape == (4, 1, 1) and M.dtype == torch.float32 and M.device == q.device
+    compiled = torch.compile(lambda *x: robot.rnea(*x) * 1, fullgraph=True, backend=backend)
+    assert torch.equal(compiled(q, qd, qdd), robot(q, qd, qdd))
+
+
 def case_refusals():
     robot = load("iiwa14")
     q, qd, qdd = tensors(robot, 6)

@@ -30,6 +30,10 @@ static const struct chosen {
 	{"iiwa14", "range q=-3,3\nfree offset.iiwa_joint_3\nrange offset.iiwa_joint_3=-1,1", RNEAGEN_TRIG_AUTO, RNEAGEN_BOUNDED},
 	{"iiwa14", "range q=-3,3\nfree offset.iiwa_joint_3\nrange offset.iiwa_joint_3=-1,10000", RNEAGEN_TRIG_AUTO,
 		RNEAGEN_ACCURATE},
+	{"double_pendulum", "fold q.elbow=20000\nfree offset.elbow\nrange q[0]=-1,1\nrange offset.elbow=-1,1", RNEAGEN_TRIG_AUTO,
+		RNEAGEN_ACCURATE},
+	{"double_pendulum", "fold q.elbow=0.5\nfree offset.elbow\nrange q[0]=-1,1\nrange offset.elbow=-1,1", RNEAGEN_TRIG_AUTO,
+		RNEAGEN_BOUNDED},
 	{"mimic_chain", "range q=-6000,6000", RNEAGEN_TRIG_AUTO, RNEAGEN_ACCURATE}, /* followers turn by up to twice the angle */
 	{"mimic_chain", "range q=-3,3", RNEAGEN_TRIG_AUTO, RNEAGEN_BOUNDED},
 	{"planar_joint", "range q=-3,3", RNEAGEN_TRIG_AUTO, RNEAGEN_BOUNDED},

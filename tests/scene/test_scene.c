@@ -134,6 +134,7 @@ static const struct refused {
 	const char *scene, *message;
 } refuseds[] = {
 	{"lokc elbow=1", "here: scene line 1: 'lokc' is not known; did you mean 'lock'?"},
+	{"base floating", "here: scene line 1: 'base' is no word of a scene, but an option: --base, in CMake a keyword, in Python base="},
 	{"\n\nsomething else", "here: scene line 3: 'something' is not known"},
 	{"lock", "here: scene line 1, lock: needs a value"},
 	{"lock # elbow=1", "here: scene line 1, lock: needs a value"},

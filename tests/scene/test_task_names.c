@@ -109,8 +109,12 @@ static const struct refusal {
 	{"armature turn=-1", "scene line 1, armature: an armature of -1 kg m^2 is less than nothing"},
 	{"armature turn=heavy", "scene line 1, armature: takes a finite number, not 'heavy'"},
 	{"armature turn=1\narmature turn=1", "scene line 2, armature: the armature of 'turn' is given already"},
-	{"friction 0", "scene line 1, friction: a width of 0 rad/s or m/s is none: friction must be smooth"},
+	{"friction 0",
+		"scene line 1, friction: a width of 0 rad/s or m/s is none: friction must be smooth, in f32 too, so at least 1e-12"},
+	{"friction 1e-23",
+		"scene line 1, friction: a width of 1e-23 rad/s or m/s is none: friction must be smooth, in f32 too, so at least 1e-12"},
 	{"want tau,tau", "scene line 1, want: 'tau' is wanted already"},
+	{"want dqdd_dtau,Minv", "scene line 1, want: 'Minv' is wanted already, as 'dqdd_dtau'"},
 	{"vjp twist.x,y\nvjp twist.x,y", "scene line 2, vjp: 'twist.x,y' is named twice"},
 	{"want twist.x,y\nwant twist.x,y", "scene line 2, want: 'twist.x,y' is wanted already"},
 	/* products */
@@ -277,6 +281,20 @@ START_TEST(kernels_own)
 }
 END_TEST
 
+/* Nor are the directions of two inputs that come out the same. */
+START_TEST(directions)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct scene_model m;
+
+	o.scene = "free payload.left hand,payload.left_hand\njvp tau\nby payload.left hand,payload.left_hand";
+	ck_assert_msg(!scene_open(&m, urdf, &o), "%s", m.error.message);
+	ck_assert_int_ge(dag_find_argument(&m.dag, "jvp_v_payload_left_hand"), 0);
+	ck_assert_int_ge(dag_find_argument(&m.dag, "jvp_v_payload_left_hand_2"), 0);
+	scene_close(&m);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("task_names");
@@ -287,6 +305,7 @@ int main(void)
 	tcase_add_test(c, arrays);
 	tcase_add_test(c, hostile);
 	tcase_add_test(c, kernels_own);
+	tcase_add_test(c, directions);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }

@@ -237,7 +237,7 @@ void emit_columns_many_calls(const struct emission *e, const struct pass *p, int
 	for (const struct column_run *r = p->dag.runs; r < p->dag.runs + p->dag.run_count; r++) {
 		if (r->loop != loop)
 			continue;
-		text_printf(out, "\t\t\tfor (size_t j = %d; j < %d; j++)\n\t\t\t\t%s_%s_columns%d(", r->first, r->first + r->count,
+		text_printf(out, "\tfor (size_t j = %d; j < %d; j++)\n\t\t%s_%s_columns%d(", r->first, r->first + r->count,
 			e->options->name, p->algorithm->name, loop);
 		put_first(e, p, r->argument, out);
 		text_printf(out, " + j%s, %s, across);\n", is_soa ? "*count" : "", is_soa ? "count" : "1");
@@ -284,7 +284,7 @@ void emit_zeros_many_calls(const struct emission *e, const struct pass *p, struc
 
 		if (!count)
 			continue;
-		text_printf(out, "\t\t\t%s_%s_zeros(", name, pass);
+		text_printf(out, "\t%s_%s_zeros(", name, pass);
 		put_first(e, p, i, out);
 		text_printf(out, ", %s, %s_%s_%s_zeros, %d);\n", step_of(e, p, i), name, pass, p->dag.arguments[i].name, count);
 	}

@@ -29,7 +29,7 @@ void emit_way_declaration(const struct emission *e, const struct pass *p, struct
 
 void emit_way_many_declaration(const struct emission *e, const struct pass *p, struct text *out)
 {
-	text_printf(out, "\n\t%s carried[%d];", e->memory->type, p->dag.arguments[room_of(p, 0)->argument].rows * samples_of(e, p));
+	text_printf(out, "\n\tRNEA_ALIGNED %s carried[%d];", e->memory->type, p->dag.arguments[room_of(p, 0)->argument].rows * samples_of(e, p));
 }
 
 /* ---- functions ---- */
@@ -131,7 +131,7 @@ void emit_way_many_calls(const struct emission *e, const struct pass *p, int loo
 	const struct column_room *r = room_of(p, loop);
 	int samples = samples_of(e, p);
 
-	text_printf(out, "\t\t\tfor (size_t j = %d; j < %d; j++)\n\t\t\t\t%s_%s_columns%d(carried + j*%d, %d, across);\n", r->first,
+	text_printf(out, "\tfor (size_t j = %d; j < %d; j++)\n\t\t%s_%s_columns%d(carried + j*%d, %d, across);\n", r->first,
 		r->first + r->columns, e->options->name, p->algorithm->name, loop, r->room * samples, samples);
-	put_puts(e, p, loop, "\t\t\t", e->options->layout == RNEAGEN_SOA ? "count" : "", out);
+	put_puts(e, p, loop, "\t", e->options->layout == RNEAGEN_SOA ? "count" : "", out);
 }

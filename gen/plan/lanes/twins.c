@@ -46,12 +46,13 @@ static int joint_row(const struct finder *f, const struct argument *a, int row)
 /* The limb, from 1, that an input's row belongs to, and its place: which of the first limb's bodies, and in which turn; 0: none. */
 static int limb_of_input(const struct finder *f, const struct node *n, uint64_t *place)
 {
-	const struct argument *a = &f->d->arguments[n->arg[0].i];
+	const struct argument *a;
 	int is_q, row, limb = 0, body = 0;
 
 	*place = 0;
 	if (n->arg[0].i >= DAG_COLUMN)
 		return 0;
+	a = &f->d->arguments[n->arg[0].i];
 	is_q = role_rows(a->role) == ROWS_NQ;
 	row = is_q ? (int)n->arg[1].i : joint_row(f, a, (int)n->arg[1].i);
 	if (row >= 0)

@@ -70,14 +70,19 @@ def fill(array: Array, lead: tuple[int, ...], dtype) -> numpy.ndarray:
     return numpy.ascontiguousarray(numpy.broadcast_to(numpy.asarray(array.default, dtype), shape))
 
 
+ENOUGH = 3  # inputs, with which `out` may be given by its place; with fewer, one that other outputs take would be written over
+
+
 def takes(names: list[str]) -> str:
-    return f"the robot takes {', '.join([*names, 'and out'])}" if names else "the robot takes no array but out"
+    if len(names) >= ENOUGH:
+        return f"the robot takes {', '.join([*names, 'and out'])}"
+    return f"the robot takes {', '.join(names) or 'no array'}; what it writes into is named, out="
 
 
 def arguments(robot, args: tuple, kwargs: dict[str, Any]) -> tuple[list[Any], Any]:
     """By input the array that was given, or None for one that may be left out; and out."""
     inputs, names = robot.inputs, [a.name for a in robot.inputs]
-    if len(args) > len(names) + 1:
+    if len(args) > len(names) + (len(names) >= ENOUGH):
         raise TypeError(f"{len(args)} arrays: {takes(names)}")
     given = dict(zip((*names, "out"), args))
     for name, value in kwargs.items():
@@ -180,6 +185,11 @@ def plain(out: Any):
     if isinstance(out, tuple):
         return tuple(map(plain, out))
     return numpy.asarray(out) if isinstance(out, numpy.ndarray) else out
+
+
+def constant(values: numpy.ndarray, shape: tuple[int, ...], like: Any):
+    """An array like `like` with values that are the same for all samples."""
+    return numpy.ascontiguousarray(numpy.broadcast_to(values.astype(like.dtype), shape))
 
 
 def _returned(out: Any, result: Any):

@@ -184,6 +184,11 @@ def on_host(robot, arrays: Sequence[Any], out: Any):
     return robot._join(list(map(back, result))) if isinstance(result, tuple) else back(result)
 
 
+def constant(values: numpy.ndarray, shape: tuple[int, ...], like: Any):
+    """An array like `like` with values that are the same for all samples."""
+    return library_of(like).asarray(_arrays.constant(values, shape, like))
+
+
 def call(robot, arrays: Sequence[Any], out: Any):
     if not on_gpu(next(x for x in arrays if x is not None)):
         return on_host(robot, arrays, out)

@@ -18,7 +18,7 @@ from typing import Any, Callable, NamedTuple
 
 import numpy
 
-from . import _arrays, _convention, _core, _options, _sparse
+from . import _arrays, _convention, _core, _names, _options, _sparse
 from ._errors import BackendError, translated
 
 NUMPY = (numpy.ndarray, numpy.empty, _arrays.DTYPES["f32"], _arrays.DTYPES["f64"])
@@ -73,7 +73,7 @@ def identity(robot: "Robot") -> str:
     own = {k: robot._options.get(k) for k in ("backend", "device", "threads", "block", "cache")}
     digest = hashlib.sha256(robot._urdf + repr((sorted(options.items()), sorted(own.items()))).encode()).hexdigest()
     words = "_".join([robot.name, *(a.name for a in robot.outputs)])
-    return re.sub(r"\W", "_", words, flags=re.ASCII)[:60] + "_" + digest[:12]
+    return re.sub(r"\W|^(?=\d)", "_", words, flags=re.ASCII)[:60] + "_" + digest[:12]
 
 
 def operator_of(robot: "Robot", library: str, operators: dict[str, Any], lock: Any, make: Callable[[str], Any]):
@@ -300,7 +300,8 @@ class Robot(_core.Robot):
         if backend == "evaluator":
             return translated(_core.evaluate, self._urdf, generator, options)
         if backend != "cuda":
-            generator.update(only_rnea=1, parts=1, layout="soa")  # arrays are turned: compilers make vectors of soa
+            # arrays are turned: compilers make vectors of soa; the segments of target c are those that they are quick with
+            generator.update(target="c", parts=1, layout="soa")
         text = translated(_core.generate, self._urdf, generator)["source"]
         options.update(backend="cpu" if backend == "any" else backend, device=device)
         try:
@@ -366,40 +367,41 @@ class Robot(_core.Robot):
         return tuple_of("Inputs", tuple(a.name if not keyword.iskeyword(a.name) else a.name + "_" for a in self.inputs))(*values)
 
     # ---- by Pinocchio's names ----
+    # Each takes what Pinocchio's function takes, also where an output does not read all of it.
 
     def rnea(self, *args, **kwargs):
         """tau = rnea(q, qd, qdd): (..., nv), N m."""
-        return self.want("tau")(*args, **kwargs)
+        return _names.call(self.want("tau"), ("q", "qd", "qdd"), args, kwargs)
 
     def aba(self, *args, **kwargs):
         """qdd = aba(q, qd, tau): (..., nv), rad/s^2."""
-        return self.want("qdd")(*args, **kwargs)
+        return _names.call(self.want("qdd"), ("q", "qd", "tau"), args, kwargs)
 
     def crba(self, *args, **kwargs):
         """M = crba(q): the mass matrix (..., nv, nv), kg m^2, whole."""
-        return self.want("M")(*args, **kwargs)
+        return _names.call(self.want("M"), ("q",), args, kwargs)
 
     def computeMinverse(self, *args, **kwargs):
         """Minv = computeMinverse(q): the inverse of the mass matrix (..., nv, nv), whole."""
-        return self._wanting(("Minv",), self.sparse, ("qd=0", "tau=0"))(*args, **kwargs)
+        return _names.call(self._wanting(("Minv",), self.sparse, ("qd=0", "tau=0")), ("q",), args, kwargs)
 
     def nonLinearEffects(self, *args, **kwargs):
         """tau = nonLinearEffects(q, qd): of gravity and velocities, (..., nv)."""
         if self._conversion:  # M of the base's Coriolis term is in it: MuJoCo's qdd = 0 is another than ours
             return self.want("tau")(*args, **kwargs, qdd=numpy.zeros_like(args[1] if len(args) > 1 else kwargs["qd"]))
-        return self.want("bias")(*args, **kwargs)
+        return _names.call(self.want("bias"), ("q", "qd"), args, kwargs)
 
     def computeGeneralizedGravity(self, *args, **kwargs):
         """tau = computeGeneralizedGravity(q): of gravity alone, (..., nv)."""
-        return self.want("gravity")(*args, **kwargs)
+        return _names.call(self.want("gravity"), ("q",), args, kwargs)
 
     def computeRNEADerivatives(self, *args, **kwargs):
         """(dtau_dq, dtau_dqd, M) of (q, qd, qdd): (..., nv, nv) each. A floating base varies by a twist in its frame."""
-        return self.want("dtau_dq", "dtau_dqd", "M")(*args, **kwargs)
+        return _names.call(self.want("dtau_dq", "dtau_dqd", "M"), ("q", "qd", "qdd"), args, kwargs)
 
     def computeABADerivatives(self, *args, **kwargs):
         """(dqdd_dq, dqdd_dqd, Minv) of (q, qd, tau): (..., nv, nv) each."""
-        return self.want("dqdd_dq", "dqdd_dqd", "Minv")(*args, **kwargs)
+        return _names.call(self.want("dqdd_dq", "dqdd_dqd", "Minv"), ("q", "qd", "tau"), args, kwargs)
 
 
 def load(urdf: str | os.PathLike | bytes, **options: Any) -> Robot:

@@ -175,15 +175,30 @@ class Operator:
                 return tuple([self.fill(i, like, plan.taken[i]) if x is None else x for i, x in enumerate(tensors)])
         return tuple(tensors)  # type: ignore[arg-type]
 
+    def launch(self, plan: "Plan", tensors: Sequence[Tensor]) -> None:
+        try:
+            plan.launch(tensors)
+        except ValueError:
+            self.explain_memory(tensors)
+            raise
+
+    def explain_memory(self, tensors: Sequence[Tensor]) -> None:
+        """Raise what is wrong with tensors that have no address: cheap checks do not tell `meta` from the processor."""
+        for array, x in zip((*self.inputs, *self.outputs), tensors):
+            name = "out" if array.is_output else array.name
+            check_tensor(name, x, self.inputs[0].name, tensors[0])
+            if x.numel() and not x.data_ptr():
+                raise ValueError(f"{name}: it has no memory: it was freed, or PyTorch has not written it; {name}.clone() is a tensor that has")
+
     def run(self, *tensors: Tensor | None):
         plan = self.planned(tensors)
         inputs = self.complete(plan, tensors)
         if plan.alike >= 0:  # faster than by its shape
             made = torch.empty_like(inputs[plan.alike])
-            plan.launch([*inputs, made])
+            self.launch(plan, [*inputs, made])
             return made
         outputs = tuple([inputs[0].new_empty(shape) for shape in plan.made])
-        plan.launch([*inputs, *outputs])
+        self.launch(plan, [*inputs, *outputs])
         return outputs if self.several else outputs[0]
 
     def check_given(self, tensors: Sequence[Tensor | None], outputs: Sequence[Tensor]) -> tuple["Plan", tuple[Tensor, ...]]:
@@ -196,7 +211,7 @@ class Operator:
     def run_out(self, *tensors: Tensor | None) -> None:
         given: Any = tensors[len(self.inputs):]
         plan, every = self.check_given(tensors[:len(self.inputs)], given)
-        plan.launch(every)
+        self.launch(plan, every)
 
     def step(self, tensors: Sequence[Tensor | None], outputs: Sequence[Tensor] | None, result: Any):
         """A step that launches again and returns `result`, or the outputs that are made here."""

@@ -53,6 +53,11 @@ def check(robot, arrays: Sequence) -> tuple[int, ...]:
     return _arrays.lead_of((a, tuple(x.shape)) for a, x in given)
 
 
+def constant(values, shape: tuple[int, ...], like):
+    """An array like `like` with values that are the same for all samples."""
+    return jnp.broadcast_to(jnp.asarray(values, like.dtype), shape)
+
+
 def call(robot, arrays: Sequence[Any], out: Any):
     """A call whose arrays are JAX's."""
     if out is not None:

@@ -27,6 +27,8 @@ from ._torch_operator import Operator, is_plain, lock
 
 _operators: dict[str, Operator] = {}
 _modes = getattr(torch._C, "_len_torch_dispatch_stack", lambda: 1)
+_is_tracing = getattr(torch._C, "_is_tracing", lambda: False)
+_is_batched = getattr(torch._C._functorch, "is_legacy_batchedtensor", lambda x: False)
 _plain_call, _plain_wanting = _robot.Robot.__call__, _robot.Robot._wanting
 
 
@@ -61,12 +63,12 @@ def refuse_gradient(what: str, robot, arrays: Sequence[Tensor | None]) -> None:
 
 def is_direct(tensors: Sequence[Any]) -> bool:
     """Plain tensors in memory, which need no gradient, and no mode that looks on: the dispatcher would take longer
-    than a sample."""
+    than a sample. A view that is negated when it is read, and one of many gradients at once, are not plain."""
     first, is_grad = tensors[0], torch.is_grad_enabled()
     for x in tensors:
-        if x is not None and (type(x) is not Tensor or is_grad and x.requires_grad):
+        if x is not None and (type(x) is not Tensor or is_grad and x.requires_grad or x.is_neg() or _is_batched(x)):
             return False
-    return not _modes() and is_plain() and (first is None or first.is_cpu or first.is_cuda)
+    return not _modes() and not _is_tracing() and is_plain() and (first is None or first.is_cpu or first.is_cuda)
 
 
 def call(robot, arrays: Sequence[Any], out: Any):
@@ -78,6 +80,11 @@ def call(robot, arrays: Sequence[Any], out: Any):
         return out
     made = function_for(robot, arrays, False)(*arrays)
     return made if robot._outputs is None else robot._outputs(*made)
+
+
+def constant(values: ndarray, shape: tuple[int, ...], like: Tensor) -> Tensor:
+    """A tensor like `like` with values that are the same for all samples."""
+    return torch.tensor(values, dtype=like.dtype, device=like.device).expand(shape).contiguous()
 
 
 def bind(robot, arrays: Sequence[Any], out: Any):

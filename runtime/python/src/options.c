@@ -46,6 +46,8 @@ static int take_int(const char *key, PyObject *value, int least, int *result)
 {
 	long n = PyLong_AsLong(value);
 
+	if (n == -1 && PyErr_ExceptionMatches(PyExc_TypeError))
+		PyErr_Format(PyExc_TypeError, "%s takes a whole number, not %R", key, value);
 	if (n == -1 && PyErr_Occurred())
 		return -1;
 	if (n < least || n > INT_MAX) {

@@ -175,7 +175,8 @@ static int prepare(PyObject *self, const struct given *g, struct call *c)
 			return -1;
 	if (!(c->kernel = kernel_for(self, lead.scalar)))
 		return -1;
-	lead.axes = lead.axes < 0 ? 0 : lead.axes;
+	if (lead.axes < 0 && !g->out) /* else the first output has the axes of samples */
+		lead.axes = 0;
 	if (take_outputs(r, g->out, &lead, c) || (g->out && check_overlap(r, c)))
 		return -1;
 	c->count = 1;
@@ -214,13 +215,22 @@ static int are_plain(const struct caller *r, PyObject *out)
 	return !out || PyTuple_Check(out) || (PyObject *)Py_TYPE(out) == r->ndarray;
 }
 
+/* How many arrays a call may name by their place: `out` too where there are three inputs or more. With fewer, one that is an
+   input of other outputs would be written over. */
+static Py_ssize_t most_by_place(const struct caller *r)
+{
+	enum { ENOUGH = 3 };
+
+	return r->input_count + (r->input_count >= ENOUGH);
+}
+
 /* Is it a call that needs no more than what is here: every input there, by its name, and of NumPy's own type? */
 static int gather(const struct caller *r, PyObject *args, PyObject *names, struct given *g)
 {
 	Py_ssize_t count = PyTuple_Size(args), at = 0;
 	PyObject *name, *value;
 
-	if (!r->is_direct || count > r->input_count + 1)
+	if (!r->is_direct || count > most_by_place(r))
 		return 0;
 	memset(g->inputs, 0, (size_t)r->input_count * sizeof *g->inputs);
 	g->out = NULL;

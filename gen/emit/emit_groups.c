@@ -1,0 +1,272 @@
+/* Batches of C functions: in groups of samples, of which compilers make vectors. Samples that fill no group are computed beside
+   others, where a group costs less than they do by themselves. Compilers make few vectors of arrays [sample][row]: in layout aos
+   some samples at a time are turned to [row][sample] and back. */
+#include "emit/emit_groups.h"
+#include "base/template.h"
+
+enum {
+	VECTOR_BYTES = 32, /* a group of a short text: a vector of AVX, of which AVX-512 has two and SSE half a one */
+	ROOM_BYTES = 131072, /* for samples that are moved: a thread's stack has it */
+	TURNED_BYTES = 32768, TURNED = 32, /* so many at a time stay in the first cache */
+	AT_A_TIME = 256 /* samples whose angles are looked at before they are computed */
+};
+
+/* Where gcc computes several samples at a time without its -O3, which takes it ten times as long: atlas 47 s instead of 5. */
+enum { SHORT_FLOPS = 1500 };
+
+static int is_soa(const struct emission *e)
+{
+	return e->options->layout == RNEAGEN_SOA;
+}
+
+static const char *count_text(const struct emission *e)
+{
+	return is_soa(e) ? "count, " : "";
+}
+
+static const char *count_param(const struct emission *e)
+{
+	return is_soa(e) ? "size_t count, " : "";
+}
+
+/* ---- how many ---- */
+
+/* How many samples a group has: of segments as many as their values have room for. */
+static int group_of(const struct emission *e, const struct pass *p)
+{
+	return p->segments.count ? emit_segments_lanes(e, p) : VECTOR_BYTES / e->arithmetic->bytes;
+}
+
+/* Of what stands for each sample in memory. */
+static int sample_bytes(const struct emission *e, const struct pass *p)
+{
+	int rows = 0;
+
+	for (int i = 0; i < p->dag.argument_count; i++)
+		rows += p->dag.arguments[i].per_batch ? 0 : p->dag.arguments[i].rows;
+	return rows * e->memory->bytes;
+}
+
+static int has_input(const struct pass *p)
+{
+	for (const struct argument *a = p->dag.arguments; a < p->dag.arguments + p->dag.argument_count; a++)
+		if (!a->is_output && !a->per_batch)
+			return 1;
+	return 0;
+}
+
+/* May samples be moved? Loops of segments know the places of their columns. */
+static int has_few(const struct emission *e, const struct pass *p)
+{
+	return has_input(p) && group_of(e, p) * sample_bytes(e, p) <= ROOM_BYTES && !(p->many && p->many->dag.loop_count);
+}
+
+static int is_turned(const struct emission *e, const struct pass *p)
+{
+	return !is_soa(e) && !e->target->kernel && has_few(e, p);
+}
+
+int emit_groups_have_rows(const struct emission *e, const struct pass *p)
+{
+	return is_soa(e) || is_turned(e, p);
+}
+
+/* How many samples are moved at a time. */
+static int room_of(const struct emission *e, const struct pass *p)
+{
+	int room = group_of(e, p);
+
+	if (is_turned(e, p) && !p->segments.count)
+		while (2 * room <= TURNED && 2 * room * sample_bytes(e, p) <= TURNED_BYTES)
+			room *= 2;
+	return room;
+}
+
+/* ---- words ---- */
+
+static const char *where_small(const struct emission *e)
+{
+	return emit_has_known(e) ? " where their angles are small, which is the rule" : "";
+}
+
+/* Which argument says whether angles are small; -1: none is read. */
+static int angles_argument(const struct emission *e, const struct pass *p)
+{
+	return emit_has_known(e) ? dag_find_role(&p->dag, ROLE_JOINT_POSITION, 0) : -1;
+}
+
+/* ` && ` whether these samples' angles are small. */
+static const char *and_small(const struct emission *e, const struct pass *p, const char *from)
+{
+	int q = angles_argument(e, p);
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (q >= 0)
+		text_printf(&t, " && %s_are_small(%s, %s%s, end)", e->options->name, p->dag.arguments[q].name, count_text(e), from);
+	return text_string(&t);
+}
+
+/* `, n`: how many samples a group is called with, where that may vary. */
+static const char *many_text(const struct emission *e, const struct pass *p, const char *many)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (!p->segments.count)
+		text_printf(&t, ", %s", many);
+	return text_string(&t);
+}
+
+const char *emit_groups_at_sample(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	if (!is_turned(e, p))
+		return emit_at_sample(e, p);
+	text_init(&t, e->arena);
+	for (const struct argument *a = p->dag.arguments; a < p->dag.arguments + p->dag.argument_count; a++)
+		text_printf(&t, "%s%s, ", a->name, a->per_batch ? "" : " + k");
+	text_put(&t, "count");
+	return text_string(&t);
+}
+
+/* ---- a group ---- */
+
+static void put_group(const struct emission *e, const struct pass *p, struct text *out)
+{
+	int is_short = plan_flops(plan_operations(&p->plan)) <= SHORT_FLOPS;
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"GROUP", emit_int(e, group_of(e, p))},
+		{"WHERE_SMALL", where_small(e)}, {"VECTORS", is_short ? "RNEA_VECTORS " : ""},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
+		{"COUNT_PARAM", emit_groups_have_rows(e, p) ? "size_t count, " : ""}, {"AT_SAMPLE", emit_groups_at_sample(e, p)},
+		{"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
+
+	if (p->segments.count)
+		emit_segments_group(e, p, where_small(e), out);
+	else
+		template_expand(out, template_group_in, slots, sizeof slots / sizeof *slots);
+}
+
+/* ---- samples that are moved ---- */
+
+static const char *few_arrays(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (const struct argument *a = p->dag.arguments; a < p->dag.arguments + p->dag.argument_count; a++)
+		if (!a->per_batch)
+			text_printf(&t, "\tRNEA_ALIGNED %s few_%s[%d*%d];\n", e->memory->type, a->name, a->rows, room_of(e, p));
+	return text_string(&t);
+}
+
+static const char *few_names(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (const struct argument *a = p->dag.arguments; a < p->dag.arguments + p->dag.argument_count; a++)
+		text_printf(&t, "%s%s, ", a->per_batch ? "" : "few_", a->name);
+	return text_string(&t);
+}
+
+static const char *moves(const struct emission *e, const struct pass *p, int of_outputs)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	for (const struct argument *a = p->dag.arguments; a < p->dag.arguments + p->dag.argument_count; a++)
+		if (!a->per_batch && a->is_output == of_outputs)
+			text_printf(&t, "\t%s_%s(few_%s, %s, %d, %sfirst, end, %s%d);\n", e->options->name, of_outputs ? "scatter" : "gather",
+				a->name, a->name, a->rows, count_text(e), of_outputs ? "" : "samples, ", room_of(e, p));
+	return text_string(&t);
+}
+
+static void put_few(const struct emission *e, const struct pass *p, struct text *out)
+{
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"GROUP", emit_int(e, group_of(e, p))},
+		{"WHAT", is_soa(e) ? "Fewer samples than a group has" : "Some samples, turned to [row][sample]"},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param(e)},
+		{"ARRAYS", few_arrays(e, p)}, {"FEW_NAMES", few_names(e, p)}, {"GATHER", moves(e, p, 0)}, {"SCATTER", moves(e, p, 1)},
+		{"ROOM", emit_int(e, room_of(e, p))}, {"SAMPLES", many_text(e, p, "samples")}};
+
+	template_expand(out, template_few_in, slots, sizeof slots / sizeof *slots);
+}
+
+void emit_groups_moves(const struct emission *e, struct text *out)
+{
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}};
+
+	for (int i = 0; i < e->pass_count; i++)
+		if (has_few(e, &e->passes[i]) && (is_soa(e) || is_turned(e, &e->passes[i]))) {
+			template_expand(out, is_soa(e) ? template_gather_in : template_gather_aos_in, slots, sizeof slots / sizeof *slots);
+			return;
+		}
+}
+
+/* ---- a part of a batch ---- */
+
+static const char *next_text(const struct emission *e, const struct pass *p)
+{
+	int group = group_of(e, p);
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (p->segments.count)
+		text_printf(&t, "first + %d", group);
+	else
+		text_printf(&t, "first + (end - first < %d ? (end - first)/%d*%d : %d)", AT_A_TIME, group, group, AT_A_TIME);
+	return text_string(&t);
+}
+
+/* Some samples that fill groups. */
+static const char *whole_groups(const struct emission *e, const struct pass *p)
+{
+	int q = angles_argument(e, p);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"COUNT", count_text(e)},
+		{"MANY", many_text(e, p, "next - first")}, {"Q", q >= 0 ? p->dag.arguments[q].name : ""},
+		{"NAMES", emit_params(e, p, PARAMS_NAMES)}};
+	struct text t;
+
+	text_init(&t, e->arena);
+	template_expand(&t, q >= 0 ? template_part_small_in : template_part_any_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+static const char *else_few(const struct emission *e, const struct pass *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (has_few(e, p) && is_soa(e))
+		text_printf(&t, "\telse if (end - first > RNEA_WORTH(%d)%s)\n\t\t%s_%s_few(%s, %sfirst, end);\n", group_of(e, p),
+			and_small(e, p, "first"), e->options->name, p->algorithm->name, emit_params(e, p, PARAMS_NAMES), count_text(e));
+	return text_string(&t);
+}
+
+static void put_part(const struct emission *e, const struct pass *p, struct text *out)
+{
+	const char *group = emit_int(e, group_of(e, p));
+	struct text back;
+
+	text_init(&back, e->arena);
+	text_printf(&back, "end - %s", group);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"GROUP", group},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param(e)}, {"COUNT", count_text(e)},
+		{"LAST_IS_SMALL", and_small(e, p, text_string(&back))}, {"IS_SMALL", and_small(e, p, "first")},
+		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ONE_GROUP", many_text(e, p, group)}, {"ELSE_FEW", else_few(e, p)},
+		{"ANY", emit_any_name(e, p)}, {"AT_SAMPLE", emit_at_sample(e, p)}, {"NEXT", next_text(e, p)}, {"PART", whole_groups(e, p)},
+		{"ROOM", emit_int(e, room_of(e, p))}};
+
+	template_expand(out, template_part_each_in, slots, sizeof slots / sizeof *slots);
+	template_expand(out, is_turned(e, p) ? template_part_turned_in : template_part_in, slots, sizeof slots / sizeof *slots);
+}
+
+void emit_groups(const struct emission *e, const struct pass *p, struct text *out)
+{
+	put_group(e, p, out);
+	if (has_few(e, p) && emit_groups_have_rows(e, p))
+		put_few(e, p, out);
+	put_part(e, p, out);
+}

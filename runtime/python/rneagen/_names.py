@@ -1,0 +1,61 @@
+"""Calls by Pinocchio's names: with all arrays that its function takes, though an output may not read each of them."""
+from __future__ import annotations
+
+from typing import Any
+
+import numpy
+
+from . import _arrays
+
+
+def call(robot, names: tuple[str, ...], args: tuple, kwargs: dict[str, Any]):
+    """The robot's outputs, of arrays that are `names` by their place. Those that it does not read are looked at, and left out."""
+    read = {a.name for a in robot.inputs}
+    if read.issuperset(names):
+        return robot(*args, **kwargs)
+    given = _given(robot, names, args, kwargs)
+    unread = {n: given.pop(n) for n in names if n not in read and n in given}
+    lead = _lead(robot, names, {**{n: given[n] for n in names if given.get(n) is not None}, **unread})
+    result = robot(**given)
+    if any(not a.per_batch for a in robot.inputs) or given.get("out") is not None or not unread:
+        return result
+    return _spread(robot, result, lead, next(iter(unread.items())))
+
+
+def _given(robot, names: tuple[str, ...], args: tuple, kwargs: dict[str, Any]) -> dict[str, Any]:
+    places = (*names, *(a.name for a in robot.inputs if a.name not in names))
+    if len(args) > len(places):
+        raise TypeError(f"{len(args)} arrays: {_arrays.takes(list(places[:2]))}" if len(places) < _arrays.ENOUGH else
+                        f"{len(args)} arrays: the robot takes {', '.join(places)}; what it writes into is named, out=")
+    given = dict(zip(places, args))
+    for name, value in kwargs.items():
+        if name in given:
+            raise TypeError(f"{name} is given twice")
+        given[name] = value
+    return given
+
+
+def _lead(robot, names: tuple[str, ...], arrays: dict[str, Any]) -> tuple[int, ...]:
+    """The axes of samples, which are the same of all."""
+    rows = {n: robot.nq if n == "q" else robot.nv for n in names}
+    lead, first = None, ""
+    for name, x in arrays.items():
+        _arrays.kind_of(name, x)
+        shape = tuple(x.shape)
+        if shape[-1:] != (rows[name],):
+            raise ValueError(f"{name}: its shape is {shape}; {(rows[name],)} is wanted, or axes of samples before it")
+        if lead is None:
+            lead, first = shape[:-1], name
+        elif shape[:-1] != lead:
+            raise ValueError(f"{name}: its shape is {shape}; {(*lead, rows[name])} goes with {first}")
+    return lead or ()
+
+
+def _spread(robot, result, lead: tuple[int, ...], unread: tuple[str, Any]):
+    """Outputs that nothing varies, once for each sample, in arrays like the one that was given."""
+    name, like = unread
+    module = _arrays.module_of(_arrays.kind_of(name, like).partition(" ")[0])
+    if robot._is_sparse:
+        raise TypeError(f"{name} is not read: sparse matrices that are constant are those of robot.want(...)()")
+    values = (result,) if robot._outputs is None else tuple(result)
+    return robot._join([module.constant(numpy.asarray(x), (*lead, *a.shape), like) for a, x in zip(robot.outputs, values)])
