@@ -1,7 +1,7 @@
 /* From the text of a URDF to the text of a program: every pass, in order, is a line of PASSES. */
 #define _POSIX_C_SOURCE 200809L
 #include "rneagen.h"
-#include "base/identifier.h"
+#include "choices.h"
 #include "emit/emit.h"
 #include "plan/limbs/limb_limits.h"
 #include "plan/lanes/lanes.h"
@@ -41,51 +41,14 @@ struct rneagen_options rneagen_options_default(void)
 
 /* ---- passes beyond those of the analysis ---- */
 
-/* Defaults that depend on other choices, and the name of everything. */
 static enum rneagen_code options_resolve(struct generation *g)
 {
-	struct rneagen_options *o = &g->analysis.options;
-	struct rneagen_error *e = g->analysis.error;
-
-	o->precision = emit_precision_of(o);
-	g->analysis.model = eval_model_of(o, 0);
-	if (o->strict && o->trig == RNEAGEN_FAST)
-		return error_set(e, RNEAGEN_USAGE,
-			"--strict and --trig fast exclude each other: the sine of a GPU's own unit has other bits; take bounded");
-	if (o->strict && o->precision == RNEAGEN_F32X2)
-		return error_set(e, RNEAGEN_USAGE,
-			"--strict and --precision f32x2 exclude each other: its products have other bits where no fused multiply-add is; take f64");
-	if (o->bounded && o->target != RNEAGEN_TARGET_C)
-		return error_set(e, RNEAGEN_USAGE, "--bounded is for target c: take --target c, or an output whose name ends in .c");
-	if (o->bounded && o->precision == RNEAGEN_F32X2)
-		return error_set(e, RNEAGEN_USAGE,
-			"--bounded and --precision f32x2 exclude each other: pairs of floats have no bounded function; take f64");
-	if (o->limbs > RNEAGEN_LIMBS_NONE && (o->target != RNEAGEN_TARGET_CUDA || o->precision == RNEAGEN_F32X2))
-		return error_set(e, RNEAGEN_USAGE, "--limbs %d is for kernels%s", o->limbs,
-			o->target != RNEAGEN_TARGET_CUDA ? ": take --target cuda"
-				: ", but of no pairs of floats: take another --precision");
-	if (!o->name)
-		o->name = identifier_from(g->analysis.robot.name, &g->result->arena);
-	else if (!identifier_is(o->name))
-		return error_set(e, RNEAGEN_NAME,
-			"--name '%.255s' is no C identifier: letters, digits and underscores, no digit first, no keyword",
-			o->name);
-	return o->name ? RNEAGEN_OK : error_memory(e);
+	return choices_resolve(&g->analysis);
 }
 
-/* What the choices make of each other. */
 static enum rneagen_code options_check(struct generation *g)
 {
-	const struct request *k = &g->analysis.request;
-
-	if (g->analysis.options.strict && k->refine_steps && k->refine == REFINE_F32X2)
-		return error_set(g->analysis.error, RNEAGEN_USAGE,
-			"--strict and --refine %d:f32x2 exclude each other: products of pairs of floats have other bits where no fused multiply-add "
-			"is; take %d:f64", k->refine_steps, k->refine_steps);
-	if (g->analysis.options.bounded && k->refine_steps)
-		return error_set(g->analysis.error, RNEAGEN_USAGE,
-			"--bounded and --refine exclude each other: a bound beside the statements does not see what refinement takes off");
-	return RNEAGEN_OK;
+	return choices_check(&g->analysis);
 }
 
 /* The halves of the algorithm go with the whole of it, not with a scene's choice of inputs and outputs. */
@@ -93,7 +56,7 @@ static int function_count(struct generation *g)
 {
 	int count = algorithms_for(&g->analysis.request, g->algorithms);
 
-	return g->analysis.options.only_rnea ? 1 : count;
+	return g->analysis.options.only ? 1 : count;
 }
 
 static enum rneagen_code dag_build_all(struct generation *g)

@@ -34,6 +34,9 @@ enum rneagen_base { RNEAGEN_FIXED, RNEAGEN_FLOATING };
 enum rneagen_mimic { RNEAGEN_MIMIC_HONOUR, RNEAGEN_MIMIC_INDEPENDENT };
 /* the closer ones, or those that are found faster, beside each statement */
 enum { RNEAGEN_BOUNDS_CLOSE = 1, RNEAGEN_BOUNDS_RUNNING };
+
+/* What --only leaves of a text's functions: the main one, whichever that is, or by its name. */
+enum { RNEAGEN_ONLY_MAIN = 1, RNEAGEN_ONLY_RNEA, RNEAGEN_ONLY_FD, RNEAGEN_ONLY_KIN };
 enum { RNEAGEN_PARTS_AUTO = 0, RNEAGEN_SEGMENTS_AUTO = 0, RNEAGEN_SEGMENTS_WHOLE = 1, RNEAGEN_LIMBS_AUTO = 0,
 	RNEAGEN_LIMBS_NONE = 1 };
 /* What there is to tell beside the text. */
@@ -56,7 +59,8 @@ struct rneagen_options {
 	int strict; /* the same bits from every compiler, CPU and GPU, for all results that are not NaN */
 	int bounded; /* target C: also a function that gives a bound of each output's error: of how far it is from what the URDF's
 			decimals give in exact arithmetic (eval.h says it in full); 0, or of RNEAGEN_BOUNDS_* */
-	int only_rnea; /* without the halves of the algorithm and, in target c, without the functions that take batches */
+	int only; /* of RNEAGEN_ONLY_*: the main function without the halves of the algorithm and, in target c, without the functions that
+		     take batches; one that is named has to be the main one. 0: all */
 	int parts; /* of the grid, target CUDA: each makes some elements of the matrices; default RNEAGEN_PARTS_AUTO: as few as the
 		      registers and the instruction cache have room for, 1 where a text cannot be split */
 	int segments; /* operations of a segment at most: a stretch of a text that runs for several samples before the next one does;

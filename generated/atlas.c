@@ -5740,13 +5740,14 @@ static RNEA_INLINE void atlas_bpass_sines(const double *q, const size_t stride, 
 
 /* ---- the functions of the header, and the table that librnea reads ---- */
 /* tau = ID(q, qd, qdd) of one sample: q[30], qd[30], qdd[30] -> tau[30]; tau may be qdd itself. */
-void atlas_rnea(const double *q, const double *qd, const double *qdd, double *tau);
+void atlas_rnea(const double q[30], const double qd[30], const double qdd[30], double tau[30]);
 /* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
 void atlas_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
 /* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
-void atlas_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
+void atlas_fpass(const double q[30], const double qd[30], const double qdd[30], double v[180], double a[180],
+	double f[180]);
 /* The way back alone: torques from q and fpass's wrenches. */
-void atlas_bpass(const double *q, const double *f, double *tau);
+void atlas_bpass(const double q[30], const double f[180], double tau[30]);
 /* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
    in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
 void atlas_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
@@ -6071,7 +6072,7 @@ static void atlas_rnea_beside_any(const double *q, const double *qd, const doubl
 }
 #endif
 
-void atlas_rnea(const double *q, const double *qd, const double *qdd, double *tau)
+void atlas_rnea(const double q[30], const double qd[30], const double qdd[30], double tau[30])
 {
 #if defined RNEA_LANES
 	atlas_rnea_beside_any(q, qd, qdd, tau, 1);
@@ -6257,7 +6258,8 @@ static void atlas_fpass_part(const double *restrict q, const double *restrict qd
 	atlas_fpass_rest(q, qd, qdd, v, a, f, count, begin, first, end);
 }
 
-void atlas_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f)
+void atlas_fpass(const double q[30], const double qd[30], const double qdd[30], double v[180], double a[180],
+	double f[180])
 {
 	atlas_fpass_any(q, qd, qdd, v, a, f, 1);
 }
@@ -6336,7 +6338,7 @@ static void atlas_bpass_part(const double *restrict q, const double *restrict f,
 	atlas_bpass_rest(q, f, tau, count, begin, first, end);
 }
 
-void atlas_bpass(const double *q, const double *f, double *tau)
+void atlas_bpass(const double q[30], const double f[180], double tau[30])
 {
 	atlas_bpass_any(q, f, tau, 1);
 }

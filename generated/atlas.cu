@@ -5818,7 +5818,7 @@ static void atlas_rnea_part(const float *restrict q, const float *restrict qd, c
 	atlas_rnea_rest(q, qd, qdd, tau, count, begin, first, end);
 }
 
-void atlas_rnea(const float *q, const float *qd, const float *qdd, float *tau)
+void atlas_rnea(const float q[30], const float qd[30], const float qdd[30], float tau[30])
 {
 	atlas_rnea_any(q, qd, qdd, tau, 1);
 }
@@ -5910,7 +5910,7 @@ static void atlas_fpass_part(const float *restrict q, const float *restrict qd, 
 	atlas_fpass_rest(q, qd, qdd, v, a, f, count, begin, first, end);
 }
 
-void atlas_fpass(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f)
+void atlas_fpass(const float q[30], const float qd[30], const float qdd[30], float v[180], float a[180], float f[180])
 {
 	atlas_fpass_any(q, qd, qdd, v, a, f, 1);
 }
@@ -5989,7 +5989,7 @@ static void atlas_bpass_part(const float *restrict q, const float *restrict f, f
 	atlas_bpass_rest(q, f, tau, count, begin, first, end);
 }
 
-void atlas_bpass(const float *q, const float *f, float *tau)
+void atlas_bpass(const float q[30], const float f[180], float tau[30])
 {
 	atlas_bpass_any(q, f, tau, 1);
 }

@@ -90,13 +90,14 @@ extern "C" {
 enum { atlas_nq = 30, atlas_nv = 30, atlas_nb = 30 };
 
 /* tau = ID(q, qd, qdd) of one sample: q[30], qd[30], qdd[30] -> tau[30]; tau may be qdd itself. */
-void atlas_rnea(const double *q, const double *qd, const double *qdd, double *tau);
+void atlas_rnea(const double q[30], const double qd[30], const double qdd[30], double tau[30]);
 /* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
 void atlas_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
 /* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
-void atlas_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
+void atlas_fpass(const double q[30], const double qd[30], const double qdd[30], double v[180], double a[180],
+	double f[180]);
 /* The way back alone: torques from q and fpass's wrenches. */
-void atlas_bpass(const double *q, const double *f, double *tau);
+void atlas_bpass(const double q[30], const double f[180], double tau[30]);
 /* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
    in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
 void atlas_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);

@@ -3378,13 +3378,13 @@ static RNEA_INLINE void hyq_bpass_sines(const double *q, const size_t stride, do
 
 /* ---- the functions of the header, and the table that librnea reads ---- */
 /* tau = ID(q, qd, qdd) of one sample: q[19], qd[18], qdd[18] -> tau[18]; tau may be qdd itself. */
-void hyq_rnea(const double *q, const double *qd, const double *qdd, double *tau);
+void hyq_rnea(const double q[19], const double qd[18], const double qdd[18], double tau[18]);
 /* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
 void hyq_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
 /* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
-void hyq_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
+void hyq_fpass(const double q[19], const double qd[18], const double qdd[18], double v[78], double a[78], double f[78]);
 /* The way back alone: torques from q and fpass's wrenches. */
-void hyq_bpass(const double *q, const double *f, double *tau);
+void hyq_bpass(const double q[19], const double f[78], double tau[18]);
 /* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
    in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
 void hyq_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
@@ -3639,7 +3639,7 @@ static void hyq_rnea_beside_any(const double *q, const double *qd, const double 
 }
 #endif
 
-void hyq_rnea(const double *q, const double *qd, const double *qdd, double *tau)
+void hyq_rnea(const double q[19], const double qd[18], const double qdd[18], double tau[18])
 {
 #if defined RNEA_LANES
 	hyq_rnea_beside_any(q, qd, qdd, tau, 1);
@@ -3802,7 +3802,7 @@ static void hyq_fpass_part(const double *restrict q, const double *restrict qd, 
 	hyq_fpass_rest(q, qd, qdd, v, a, f, count, begin, first, end);
 }
 
-void hyq_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f)
+void hyq_fpass(const double q[19], const double qd[18], const double qdd[18], double v[78], double a[78], double f[78])
 {
 	hyq_fpass_any(q, qd, qdd, v, a, f, 1);
 }
@@ -3881,7 +3881,7 @@ static void hyq_bpass_part(const double *restrict q, const double *restrict f, d
 	hyq_bpass_rest(q, f, tau, count, begin, first, end);
 }
 
-void hyq_bpass(const double *q, const double *f, double *tau)
+void hyq_bpass(const double q[19], const double f[78], double tau[18])
 {
 	hyq_bpass_any(q, f, tau, 1);
 }

@@ -3867,7 +3867,7 @@ static void hyq_rnea_part(const float *restrict q, const float *restrict qd, con
 	hyq_rnea_rest(q, qd, qdd, tau, count, begin, first, end);
 }
 
-void hyq_rnea(const float *q, const float *qd, const float *qdd, float *tau)
+void hyq_rnea(const float q[19], const float qd[18], const float qdd[18], float tau[18])
 {
 	hyq_rnea_any(q, qd, qdd, tau, 1);
 }
@@ -3959,7 +3959,7 @@ static void hyq_fpass_part(const float *restrict q, const float *restrict qd, co
 	hyq_fpass_rest(q, qd, qdd, v, a, f, count, begin, first, end);
 }
 
-void hyq_fpass(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f)
+void hyq_fpass(const float q[19], const float qd[18], const float qdd[18], float v[78], float a[78], float f[78])
 {
 	hyq_fpass_any(q, qd, qdd, v, a, f, 1);
 }
@@ -4038,7 +4038,7 @@ static void hyq_bpass_part(const float *restrict q, const float *restrict f, flo
 	hyq_bpass_rest(q, f, tau, count, begin, first, end);
 }
 
-void hyq_bpass(const float *q, const float *f, float *tau)
+void hyq_bpass(const float q[19], const float f[78], float tau[18])
 {
 	hyq_bpass_any(q, f, tau, 1);
 }

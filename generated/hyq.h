@@ -77,13 +77,13 @@ extern "C" {
 enum { hyq_nq = 19, hyq_nv = 18, hyq_nb = 13 };
 
 /* tau = ID(q, qd, qdd) of one sample: q[19], qd[18], qdd[18] -> tau[18]; tau may be qdd itself. */
-void hyq_rnea(const double *q, const double *qd, const double *qdd, double *tau);
+void hyq_rnea(const double q[19], const double qd[18], const double qdd[18], double tau[18]);
 /* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
 void hyq_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
 /* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
-void hyq_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
+void hyq_fpass(const double q[19], const double qd[18], const double qdd[18], double v[78], double a[78], double f[78]);
 /* The way back alone: torques from q and fpass's wrenches. */
-void hyq_bpass(const double *q, const double *f, double *tau);
+void hyq_bpass(const double q[19], const double f[78], double tau[18]);
 /* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
    in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
 void hyq_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);

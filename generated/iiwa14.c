@@ -1012,13 +1012,13 @@ static RNEA_INLINE void iiwa14_bpass_sines(const double *q, const size_t stride,
 
 /* ---- the functions of the header, and the table that librnea reads ---- */
 /* tau = ID(q, qd, qdd) of one sample: q[7], qd[7], qdd[7] -> tau[7]; tau may be qdd itself. */
-void iiwa14_rnea(const double *q, const double *qd, const double *qdd, double *tau);
+void iiwa14_rnea(const double q[7], const double qd[7], const double qdd[7], double tau[7]);
 /* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
 void iiwa14_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
 /* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
-void iiwa14_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
+void iiwa14_fpass(const double q[7], const double qd[7], const double qdd[7], double v[42], double a[42], double f[42]);
 /* The way back alone: torques from q and fpass's wrenches. */
-void iiwa14_bpass(const double *q, const double *f, double *tau);
+void iiwa14_bpass(const double q[7], const double f[42], double tau[7]);
 /* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
    in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
 void iiwa14_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
@@ -1218,7 +1218,7 @@ static void iiwa14_rnea_part(const double *restrict q, const double *restrict qd
 	iiwa14_rnea_rest(q, qd, qdd, tau, count, begin, first, end);
 }
 
-void iiwa14_rnea(const double *q, const double *qd, const double *qdd, double *tau)
+void iiwa14_rnea(const double q[7], const double qd[7], const double qdd[7], double tau[7])
 {
 	iiwa14_rnea_any(q, qd, qdd, tau, 1);
 }
@@ -1312,7 +1312,7 @@ static void iiwa14_fpass_part(const double *restrict q, const double *restrict q
 	iiwa14_fpass_rest(q, qd, qdd, v, a, f, count, begin, first, end);
 }
 
-void iiwa14_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f)
+void iiwa14_fpass(const double q[7], const double qd[7], const double qdd[7], double v[42], double a[42], double f[42])
 {
 	iiwa14_fpass_any(q, qd, qdd, v, a, f, 1);
 }
@@ -1391,7 +1391,7 @@ static void iiwa14_bpass_part(const double *restrict q, const double *restrict f
 	iiwa14_bpass_rest(q, f, tau, count, begin, first, end);
 }
 
-void iiwa14_bpass(const double *q, const double *f, double *tau)
+void iiwa14_bpass(const double q[7], const double f[42], double tau[7])
 {
 	iiwa14_bpass_any(q, f, tau, 1);
 }

@@ -1275,7 +1275,7 @@ static void iiwa14_rnea_part(const float *restrict q, const float *restrict qd, 
 	iiwa14_rnea_rest(q, qd, qdd, tau, count, begin, first, end);
 }
 
-void iiwa14_rnea(const float *q, const float *qd, const float *qdd, float *tau)
+void iiwa14_rnea(const float q[7], const float qd[7], const float qdd[7], float tau[7])
 {
 	iiwa14_rnea_any(q, qd, qdd, tau, 1);
 }
@@ -1368,7 +1368,7 @@ static void iiwa14_fpass_part(const float *restrict q, const float *restrict qd,
 	iiwa14_fpass_rest(q, qd, qdd, v, a, f, count, begin, first, end);
 }
 
-void iiwa14_fpass(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f)
+void iiwa14_fpass(const float q[7], const float qd[7], const float qdd[7], float v[42], float a[42], float f[42])
 {
 	iiwa14_fpass_any(q, qd, qdd, v, a, f, 1);
 }
@@ -1447,7 +1447,7 @@ static void iiwa14_bpass_part(const float *restrict q, const float *restrict f, 
 	iiwa14_bpass_rest(q, f, tau, count, begin, first, end);
 }
 
-void iiwa14_bpass(const float *q, const float *f, float *tau)
+void iiwa14_bpass(const float q[7], const float f[42], float tau[7])
 {
 	iiwa14_bpass_any(q, f, tau, 1);
 }

@@ -58,13 +58,13 @@ extern "C" {
 enum { iiwa14_nq = 7, iiwa14_nv = 7, iiwa14_nb = 7 };
 
 /* tau = ID(q, qd, qdd) of one sample: q[7], qd[7], qdd[7] -> tau[7]; tau may be qdd itself. */
-void iiwa14_rnea(const double *q, const double *qd, const double *qdd, double *tau);
+void iiwa14_rnea(const double q[7], const double qd[7], const double qdd[7], double tau[7]);
 /* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
 void iiwa14_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
 /* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
-void iiwa14_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
+void iiwa14_fpass(const double q[7], const double qd[7], const double qdd[7], double v[42], double a[42], double f[42]);
 /* The way back alone: torques from q and fpass's wrenches. */
-void iiwa14_bpass(const double *q, const double *f, double *tau);
+void iiwa14_bpass(const double q[7], const double f[42], double tau[7]);
 /* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
    in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
 void iiwa14_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);

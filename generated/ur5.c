@@ -858,13 +858,13 @@ static RNEA_INLINE void ur5_bpass_sines(const double *q, const size_t stride, do
 
 /* ---- the functions of the header, and the table that librnea reads ---- */
 /* tau = ID(q, qd, qdd) of one sample: q[6], qd[6], qdd[6] -> tau[6]; tau may be qdd itself. */
-void ur5_rnea(const double *q, const double *qd, const double *qdd, double *tau);
+void ur5_rnea(const double q[6], const double qd[6], const double qdd[6], double tau[6]);
 /* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
 void ur5_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
 /* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
-void ur5_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
+void ur5_fpass(const double q[6], const double qd[6], const double qdd[6], double v[36], double a[36], double f[36]);
 /* The way back alone: torques from q and fpass's wrenches. */
-void ur5_bpass(const double *q, const double *f, double *tau);
+void ur5_bpass(const double q[6], const double f[36], double tau[6]);
 /* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
    in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
 void ur5_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);
@@ -1063,7 +1063,7 @@ static void ur5_rnea_part(const double *restrict q, const double *restrict qd, c
 	ur5_rnea_rest(q, qd, qdd, tau, count, begin, first, end);
 }
 
-void ur5_rnea(const double *q, const double *qd, const double *qdd, double *tau)
+void ur5_rnea(const double q[6], const double qd[6], const double qdd[6], double tau[6])
 {
 	ur5_rnea_any(q, qd, qdd, tau, 1);
 }
@@ -1156,7 +1156,7 @@ static void ur5_fpass_part(const double *restrict q, const double *restrict qd, 
 	ur5_fpass_rest(q, qd, qdd, v, a, f, count, begin, first, end);
 }
 
-void ur5_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f)
+void ur5_fpass(const double q[6], const double qd[6], const double qdd[6], double v[36], double a[36], double f[36])
 {
 	ur5_fpass_any(q, qd, qdd, v, a, f, 1);
 }
@@ -1235,7 +1235,7 @@ static void ur5_bpass_part(const double *restrict q, const double *restrict f, d
 	ur5_bpass_rest(q, f, tau, count, begin, first, end);
 }
 
-void ur5_bpass(const double *q, const double *f, double *tau)
+void ur5_bpass(const double q[6], const double f[36], double tau[6])
 {
 	ur5_bpass_any(q, f, tau, 1);
 }

@@ -1122,7 +1122,7 @@ static void ur5_rnea_part(const float *restrict q, const float *restrict qd, con
 	ur5_rnea_rest(q, qd, qdd, tau, count, begin, first, end);
 }
 
-void ur5_rnea(const float *q, const float *qd, const float *qdd, float *tau)
+void ur5_rnea(const float q[6], const float qd[6], const float qdd[6], float tau[6])
 {
 	ur5_rnea_any(q, qd, qdd, tau, 1);
 }
@@ -1215,7 +1215,7 @@ static void ur5_fpass_part(const float *restrict q, const float *restrict qd, co
 	ur5_fpass_rest(q, qd, qdd, v, a, f, count, begin, first, end);
 }
 
-void ur5_fpass(const float *q, const float *qd, const float *qdd, float *v, float *a, float *f)
+void ur5_fpass(const float q[6], const float qd[6], const float qdd[6], float v[36], float a[36], float f[36])
 {
 	ur5_fpass_any(q, qd, qdd, v, a, f, 1);
 }
@@ -1294,7 +1294,7 @@ static void ur5_bpass_part(const float *restrict q, const float *restrict f, flo
 	ur5_bpass_rest(q, f, tau, count, begin, first, end);
 }
 
-void ur5_bpass(const float *q, const float *f, float *tau)
+void ur5_bpass(const float q[6], const float f[36], float tau[6])
 {
 	ur5_bpass_any(q, f, tau, 1);
 }

@@ -58,13 +58,13 @@ extern "C" {
 enum { ur5_nq = 6, ur5_nv = 6, ur5_nb = 6 };
 
 /* tau = ID(q, qd, qdd) of one sample: q[6], qd[6], qdd[6] -> tau[6]; tau may be qdd itself. */
-void ur5_rnea(const double *q, const double *qd, const double *qdd, double *tau);
+void ur5_rnea(const double q[6], const double qd[6], const double qdd[6], double tau[6]);
 /* The same for `count` samples, every array [row][sample]; arrays must not overlap. */
 void ur5_rnea_batch(const double *q, const double *qd, const double *qdd, double *tau, size_t count);
 /* The way out alone: velocities, accelerations and own wrenches of the bodies, [nb][6] each. */
-void ur5_fpass(const double *q, const double *qd, const double *qdd, double *v, double *a, double *f);
+void ur5_fpass(const double q[6], const double qd[6], const double qdd[6], double v[36], double a[36], double f[36]);
 /* The way back alone: torques from q and fpass's wrenches. */
-void ur5_bpass(const double *q, const double *f, double *tau);
+void ur5_bpass(const double q[6], const double f[36], double tau[6]);
 /* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each
    in a thread of the caller's own. The arrays are those of rnea, fpass and bpass, in that order. */
 void ur5_rnea_slice(void *const *arrays, size_t count, size_t first, size_t end);

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+_Static_assert((int)DAG_ARGUMENTS == (int)RNEA_ARGUMENT_LIMIT, "a text takes no more arrays than a launch, and no fewer");
+
 struct evaluation {
 	struct analysis analysis;
 	struct rneagen_error error;
@@ -135,7 +137,7 @@ enum rnea_code rnea_evaluate_urdf(const char *urdf, size_t length, const struct 
 	struct rneagen_result text;
 
 	g.tell = 0;
-	g.only_rnea = 1;
+	g.only = RNEAGEN_ONLY_MAIN;
 	g.parts = 1;
 	if (!robot || !urdf)
 		return rnea_error_set(e, RNEA_ARGUMENT, "there is no %s",

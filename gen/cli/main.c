@@ -75,7 +75,8 @@ static const struct option OPTIONS[] = {
 	{"only", required_argument, NULL, KEY_ONLY}, {"quiet", no_argument, NULL, KEY_QUIET},
 	{"help", no_argument, NULL, OPTION_HELP}, {"version", no_argument, NULL, OPTION_VERSION}, {NULL, 0, NULL, 0}};
 
-static const struct option_choice ONLY[] = {{"rnea", 1}, {"fd", 1}, {"kin", 1}, {NULL, 0}};
+static const struct option_choice ONLY[] = {{"rnea", RNEAGEN_ONLY_RNEA}, {"fd", RNEAGEN_ONLY_FD}, {"kin", RNEAGEN_ONLY_KIN},
+	{NULL, 0}};
 
 /* --info and --dot share standard output. */
 static int set_info(struct command *c, enum info_mode info)
@@ -116,7 +117,7 @@ static int parse_option(struct command *c, int key, const char *word)
 		c->options.bounded = word ? RNEAGEN_BOUNDS_RUNNING : RNEAGEN_BOUNDS_CLOSE;
 		return 0;
 	case KEY_ONLY:
-		return option_choose(COMMAND, "only", word, ONLY, &c->options.only_rnea);
+		return option_choose(COMMAND, "only", word, ONLY, &c->options.only);
 	case KEY_DOT:
 		return set_info(c, INFO_DOT);
 	case KEY_QUIET:

@@ -331,8 +331,8 @@ struct ref dag_abs(struct dag *d, struct ref a)
 	if (d->failed)
 		return NONE;
 	n = at(d, a);
-	if (n.op == OP_CONST)
-		return n.value < 0 ? negated(d, a) : a;
+	if (is_known(d, a))
+		return is_negative(d, a) ? negated(d, a) : a;
 	if (n.op == OP_NEG)
 		return dag_abs(d, n.arg[0]);
 	if (n.op == OP_ABS || n.op == OP_SQRT || (n.op == OP_MUL && ref_equal(n.arg[0], n.arg[1])))

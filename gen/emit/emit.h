@@ -134,6 +134,7 @@ void emit_set_precision(struct emission *e);
 enum rneagen_precision emit_precision_of(const struct rneagen_options *o);
 const char *emit_precision_name(enum rneagen_precision precision);
 const char *emit_trig_name(enum rneagen_trig trig);
+const char *emit_only_name(int only); /* of RNEAGEN_ONLY_*, which name a function */
 
 /* The sine and cosine that the statements call: "fast" is of single precision on a GPU, elsewhere it is "bounded"; what nobody
    chose is "accurate". */
@@ -203,10 +204,11 @@ const char *emit_joints(const struct emission *e);
 /* What can stand in a string of C, whatever `s` holds. */
 void emit_literal(const char *s, size_t length, struct text *out);
 
-/* A pass's arguments as parameters (FIRST: of a segment, at the first of its samples), as their names, as addresses, out of
+/* A pass's arguments as parameters (SIZED: of one sample, with their rows, so that compilers see arrays that are too short; FIRST: of
+   a segment, at the first of its samples), as their names, as addresses, out of
    an array of pointers, or moved on to sample k of a batch. */
 enum params {
-	PARAMS_PLAIN, PARAMS_FIRST, PARAMS_RESTRICT, PARAMS_CUDA_RESTRICT, PARAMS_NAMES, PARAMS_ADDRESSES, PARAMS_ARRAYS,
+	PARAMS_PLAIN, PARAMS_SIZED, PARAMS_FIRST, PARAMS_RESTRICT, PARAMS_CUDA_RESTRICT, PARAMS_NAMES, PARAMS_ADDRESSES, PARAMS_ARRAYS,
 	PARAMS_AT_SAMPLE
 };
 const char *emit_params(const struct emission *e, const struct pass *p, enum params kind);

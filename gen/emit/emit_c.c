@@ -28,7 +28,7 @@ const char *emit_head_c(const struct emission *e)
 
 int emit_has_batches(const struct emission *e)
 {
-	return e->target->kernel || (e->target->has_batches && !e->options->only_rnea);
+	return e->target->kernel || (e->target->has_batches && !e->options->only);
 }
 
 const char *emit_any_name(const struct emission *e, const struct pass *p)
@@ -70,7 +70,8 @@ static void put_functions(const struct emission *e, const struct pass *p, struct
 	const struct slot slots[] = {
 		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
 		{"CALL", emit_one_call(e, p)}, {"COUNT", is_soa(e) ? "count, " : ""}, {"UNUSED", is_soa(e) ? "" : "\t(void)count;"},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"SIZED_PARAMS", emit_params(e, p, PARAMS_SIZED)},
+		{"NAMES", emit_params(e, p, PARAMS_NAMES)},
 		{"ARRAYS", emit_params(e, p, PARAMS_ARRAYS)},
 	};
 	size_t count = sizeof slots / sizeof *slots;
@@ -114,7 +115,7 @@ static void put_prototype(
 	const struct emission *e, const struct pass *p, const char *suffix, const char *more, const char *doc, struct text *out)
 {
 	text_printf(out, "/* %s */\nvoid %s_%s%s(%s%s);\n", doc, e->options->name, p->algorithm->name, suffix,
-		emit_params(e, p, PARAMS_PLAIN), more);
+		emit_params(e, p, *suffix ? PARAMS_PLAIN : PARAMS_SIZED), more);
 }
 
 static void put_slice_prototypes(const struct emission *e, struct text *out)

@@ -10,6 +10,13 @@ const char *emit_trig_name(enum rneagen_trig trig)
 	return names[trig];
 }
 
+const char *emit_only_name(int only)
+{
+	static const char *const names[] = {[RNEAGEN_ONLY_RNEA] = "rnea", [RNEAGEN_ONLY_FD] = "fd", [RNEAGEN_ONLY_KIN] = "kin"};
+
+	return names[only];
+}
+
 enum rneagen_trig emit_trig_of(const struct rneagen_options *o)
 {
 	int has_unit = number_type_of(emit_precision_of(o))->frames->fast && target_type_of(o->target)->has_unit;
@@ -34,8 +41,8 @@ void emit_options(const struct rneagen_options *o, struct text *out)
 		text_put(out, " --strict");
 	if (o->bounded)
 		text_put(out, o->bounded == RNEAGEN_BOUNDS_RUNNING ? " --bounded=running" : " --bounded");
-	if (o->only_rnea)
-		text_put(out, " --only rnea");
+	if (o->only)
+		text_printf(out, " --only %s", emit_only_name(o->only));
 	if (o->parts != RNEAGEN_PARTS_AUTO)
 		text_printf(out, " --parts %d", o->parts);
 	if (o->segments == RNEAGEN_SEGMENTS_WHOLE)
@@ -73,7 +80,10 @@ static void put_declaration(const struct emission *e, const struct argument *a, 
 	const char *qualifier = kind == PARAMS_FIRST && !a->per_batch ? "first_" : kind == PARAMS_RESTRICT ? "restrict "
 		: kind == PARAMS_CUDA_RESTRICT ? "__restrict__ " : "";
 
-	text_printf(out, "%s%s *%s%s", a->is_output ? "" : "const ", e->memory->type, qualifier, a->name);
+	if (kind == PARAMS_SIZED)
+		text_printf(out, "%s%s %s[%d]", a->is_output ? "" : "const ", e->memory->type, a->name, a->rows);
+	else
+		text_printf(out, "%s%s *%s%s", a->is_output ? "" : "const ", e->memory->type, qualifier, a->name);
 }
 
 static void put_argument(const struct emission *e, const struct pass *p, int i, enum params kind, struct text *out)

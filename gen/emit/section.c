@@ -3,6 +3,7 @@
 
 /* As joint types have them in common. */
 enum kind_of_joint { TURNS, SLIDES, HOLDS, FLOATS, PLANE, JOINT_KINDS };
+_Static_assert((int)JOINT_KINDS == (int)SECTION_JOINT_KINDS, "a row for each kind of joint");
 
 static enum kind_of_joint kind_of(const struct body *k)
 {

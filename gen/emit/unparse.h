@@ -5,6 +5,9 @@
 
 #include "emit/emit.h"
 
+/* Joints whose formulas differ: section.c. */
+enum { SECTION_JOINT_KINDS = 5 };
+
 /* Constants of a pass, without their signs. */
 struct numbers {
 	double *value;
@@ -27,7 +30,7 @@ struct unparser {
 	struct angles sines; /* where the table of known ones has them */
 	int has_inner; /* rows of inputs have a stride of their own, `inner` (plan/tiles/tiles.h) */
 	size_t sections; /* so many of the plan's DAG are behind */
-	unsigned char written[SECTION_COUNT][5]; /* whose formula stands there already: section.c */
+	unsigned char written[SECTION_COUNT][SECTION_JOINT_KINDS]; /* whose formula stands there already: section.c */
 };
 
 /* The statements of a pass in numbers of a type, each indented by one tab. Its constants go to the table, unless that is NULL. Errors:

@@ -359,7 +359,9 @@ int plan_alive(const struct plan *p, struct arena *a)
 
 void plan_dump(const struct plan *p, struct text *t)
 {
-	static const char *const kinds[] = {"section", "input", "value", "sincos", "store", "fetch", "keep", "join"};
+	static const char *const kinds[LINE_KINDS] = {[LINE_SECTION] = "section", [LINE_INPUT] = "input", [LINE_VALUE] = "value",
+		[LINE_SINCOS] = "sincos", [LINE_STORE] = "store", [LINE_FETCH] = "fetch", [LINE_KEEP] = "keep", [LINE_SINE] = "sine",
+		[LINE_JOIN] = "join"};
 	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias",
 		"gravity", "by", "products", "factors", "articulated", "inverse", "residual", "refined", "bound", "regressor",
 		"place", "jacobian", "rate", "subtree", "centroid", "factored", "opspace", "sweeps", "rows", "columns", "way"};

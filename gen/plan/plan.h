@@ -6,7 +6,8 @@
 #include "dynamics/registry.h"
 #include "tree/alike.h"
 
-enum line_kind { LINE_SECTION, LINE_INPUT, LINE_VALUE, LINE_SINCOS, LINE_STORE, LINE_FETCH, LINE_KEEP, LINE_SINE, LINE_JOIN };
+enum line_kind { LINE_SECTION, LINE_INPUT, LINE_VALUE, LINE_SINCOS, LINE_STORE, LINE_FETCH, LINE_KEEP, LINE_SINE, LINE_JOIN,
+	LINE_KINDS };
 
 struct line {
 	enum line_kind kind;

@@ -22,7 +22,7 @@ struct kind_word {
 /* Which of these words a choice has; -1 and an error that names the nearest, or all of them. */
 int request_find_kind(const struct resolver *x, const struct scene_choice *c, const struct kind_word *kinds, int count);
 
-/* "payload.left hand" -> payload_left_hand; two that come out the same differ by a number. */
+/* "payload.left hand" -> payload_left_hand; two that come out the same, or a kernel's own, differ by a number. */
 const char *request_argument(const struct resolver *x, const char *word);
 
 /* The constant of `free` or the wrench of `fext` whose word is nearest; NULL where none is near, and where memory runs out. */

@@ -184,8 +184,6 @@ enum rneagen_code request_quantity(const struct resolver *x, const struct scene_
 	if (kind < 0)
 		return x->e->code;
 	w->kind = (enum want_kind)kind;
-	if (want_is(w->kind, IS_UNBUILT))
-		return scene_refuse(x->s, c, x->e, "'%.255s' is not built yet", c->name);
 	if (want_name(x, c, w) || check_varies(x, c, w->kind) || check_masses(x, c, w->kind) || check_chain(x, c, w) ||
 		want_rows(x, w))
 		return x->e->code;

@@ -24,7 +24,6 @@ enum want_trait {
 	FINDS_QDD = 1 << 10,    /* qdd is found, and tau an input */
 	IS_MOTION = 1 << 11,    /* where things are and how they move: no force */
 	IS_PLACED = 1 << 12,    /* made by the room kinematics, from the places of bodies */
-	IS_UNBUILT = 1 << 13,   /* not there yet */
 	IS_PRODUCT = 1 << 16,   /* of derivatives of other outputs with a vector: of whatever kind these are */
 	IS_OPSPACE = 1 << 15,   /* the inertia that is felt at a link */
 	OF_MASSES = 1 << 14,    /* told by the masses of all that moves: none may be left out that no torque feels */

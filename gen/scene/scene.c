@@ -83,31 +83,23 @@ static int find_key(const char *word, size_t length)
 	return -1;
 }
 
-/* Is it an option that says how a text is written, and not what of the robot is modelled? */
-static int is_other_option(const char *word)
-{
-	static const char *const words[] = {"base", "bounded", "gravity", "layout", "limbs", "mimic", "name", "only", "order", "parts",
-		"precision", "segments", "strict", "target", "trig"};
-
-	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-		if (!strcmp(word, words[i]))
-			return 1;
-	return 0;
-}
+/* Options that say how a text is written, and not what of the robot is modelled. */
+static const char OPTIONS[] = " base bounded gravity layout limbs mimic name only order parts precision segments strict target trig ";
 
 static enum rneagen_code refuse_word(const struct reader *r, const char *word, size_t length)
 {
 	const char *copy = arena_string(r->a, word, length), *meant;
+	int line = r->told ? r->told : r->line;
+	char whole[16];
 
 	if (!copy)
 		return error_memory(r->e);
-	if (is_other_option(copy))
-		return error_set(r->e, RNEAGEN_SCENE, "%s: scene line %d: '%s' is no word of a scene, but an option: --%s, in CMake a "
-			"keyword, in Python %s=", r->s->file, r->told ? r->told : r->line, copy, copy, copy);
+	if (snprintf(whole, sizeof whole, " %s ", copy) < (int)sizeof whole && strstr(OPTIONS, whole))
+		return error_set(r->e, RNEAGEN_SCENE, "%s: scene line %d: '%s' is no word of a scene, but an option: --%s, in CMake a keyword, "
+			"in Python %s=", r->s->file, line, copy, copy, copy);
 	meant = nearest_name(copy, WORDS, SCENE_KEY_COUNT, sizeof *WORDS);
-	return error_set(r->e, RNEAGEN_SCENE, "%s: scene line %d: '%.255s' is not known%s%s%s", r->s->file,
-		r->told ? r->told : r->line, copy, meant ? "; did you mean '" : "", meant ? meant : "",
-		meant ? "'?" : "");
+	return error_set(r->e, RNEAGEN_SCENE, "%s: scene line %d: '%.255s' is not known%s%s%s", r->s->file, line, copy,
+		meant ? "; did you mean '" : "", meant ? meant : "", meant ? "'?" : "");
 }
 
 /* NAME=VALUE at the last =; of a frame that is added at the first, since its value has a link's name. */
@@ -370,8 +362,7 @@ enum rneagen_code scene_expand(struct scene *s, const struct robot *r, struct ar
 		for (const char *at = s->lines[i].name; *at; at++)
 			most += *at == ',';
 		if (most > LIMIT_CHOICES)
-			return scene_refuse(s, &s->lines[i], e,
-				"a scene holds at most %d choices, of a list each name, and this is one more", LIMIT_CHOICES);
+			return scene_refuse(s, &s->lines[i], e, "a scene holds at most %d choices, of a list each name, and this is one more", LIMIT_CHOICES);
 	}
 	s->count = 0;
 	s->choices = arena_alloc(a, most, sizeof *s->choices);
@@ -399,10 +390,7 @@ void scene_put_option(const struct scene_choice *line, struct text *t)
 	struct text value;
 
 	text_init(&value, t->arena);
-	text_put(&value, line->name);
-	if (w->kind == SCENE_PAIR)
-		text_putc(&value, '=');
-	text_put(&value, line->value ? line->value : "");
+	text_printf(&value, "%s%s%s", line->name, w->kind == SCENE_PAIR ? "=" : "", line->value ? line->value : "");
 	t->failed |= value.failed;
 	text_printf(t, "--%s", w->name);
 	if (value.length) {

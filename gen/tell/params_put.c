@@ -34,7 +34,7 @@ void params_put_comment(const struct analysis *a, struct text *out)
 		text_put(out,
 			" * Base parameters: what is named below is in frames of the text's own, and the inertia of a link is what the outputs\n"
 			" * feel of it. What the functions take and write is in the URDF's frames.\n");
-	if (p->is_base && a->request.is_plain && !a->options.only_rnea)
+	if (p->is_base && a->request.is_plain && !a->options.only)
 		text_put(out, " * fpass and bpass are computed by the URDF's constants.\n");
 }
 

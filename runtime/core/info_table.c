@@ -148,7 +148,7 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 	return RNEA_OK;
 }
 
-/* A table of version 1 has no parts, and `arithmetic`, `stage` and `kernels` may be left out. */
+/* A table of version 1 has no parts. The others stand only where a text has what they tell of. */
 static int is_optional(const struct parser *p, enum key key)
 {
 	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS || key == KEY_RELAY ||

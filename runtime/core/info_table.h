@@ -4,8 +4,8 @@
 
    Of the text, each once (`arithmetic` at most once: where it does not stand, it is the precision):
 
-	name NAME | precision f32|f64 | arithmetic WORD | layout soa|aos | trig WORD | base WORD | nq N | nv N | nb N |
-   block N joint IQ NQ IV NV TYPE NAME               (one line each; the name goes to the end of the line)
+	name NAME | precision f32|f64 | arithmetic WORD | layout soa|aos | trig WORD | base WORD | nq N | nv N | nb N | block N
+	joint IQ NQ IV NV TYPE NAME               (one line each; the name goes to the end of the line)
 
    Of each function, from its line `function` to the next, in the order in which the text has them; the first is what
    rnea_launch launches:

@@ -376,7 +376,6 @@ static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 	proof->range_seconds = seconds_now() - p->start;
 	if (prove_errors(p, proof))
 		return p->e->code;
-	proof->error_seconds = seconds_now() - p->start - proof->range_seconds;
 	return RNEAGEN_OK;
 }
 

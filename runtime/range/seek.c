@@ -36,16 +36,6 @@ double seek_value(const struct field *f, const double *c, const double *x)
 	return sum;
 }
 
-void seek_rows(const struct field *f, const struct sought *s, int position_argument, double *const *rows)
-{
-	for (int k = 0; k < f->dim_count; k++)
-		rows[position_argument][f->dims[k].row] = s->q[k];
-	for (int i = 0; i < f->drive_count; i++)
-		rows[f->drives[i].argument][f->drives[i].row] = s->x[i] * f->drives[i].scale;
-	for (int j = 0; j < f->rate_count; j++)
-		rows[f->rates[j].argument][f->rates[j].row] = s->x[f->drive_count + j] * f->rates[j].scale;
-}
-
 /* What one thread works in. */
 struct room {
 	double *work, *coefficients, *scalars, *values;

@@ -17,7 +17,4 @@ int seek_extremes(struct sought (*best)[2], const struct field *f, const struct 
 /* The polynomial of an output at drives and rates. */
 double seek_value(const struct field *f, const double *coefficients, const double *x);
 
-/* A state as the text takes it: rows[argument], those of the DAG's inputs, get what the state says; others stay as they are. */
-void seek_rows(const struct field *f, const struct sought *s, int position_argument, double *const *rows);
-
 #endif

@@ -46,7 +46,7 @@ static int generate(const char *path, const struct variant *v, struct rneagen_re
 	o.base = v->base;
 	o.strict = v->strict;
 	o.bounded = v->bounded;
-	o.only_rnea = v->only;
+	o.only = v->only;
 	o.layout = v->aos ? RNEAGEN_AOS : RNEAGEN_SOA;
 	o.scene = v->scene;
 	o.name = "r";
@@ -337,10 +337,36 @@ START_TEST(only_rnea)
 		ck_assert_msg(!strstr(r.source, halves[i]), "%s", halves[i]);
 	for (int i = 0; i < 4 && v.target == RNEAGEN_TARGET_C; i++)
 		ck_assert_msg(!strstr(r.source, batches[i]) && !strstr(r.header, batches[i]), "%s", batches[i]);
-	ck_assert(strstr(r.source, "r_rnea(const float *q") && strstr(r.source, " --only rnea"));
+	ck_assert(strstr(r.source, v.target == RNEAGEN_TARGET_HEADER ? "r_rnea(const float *q" : "r_rnea(const float q[7]") && strstr(r.source, " --only rnea"));
 	ck_assert(v.target == RNEAGEN_TARGET_HEADER ||
 		(strstr(r.source, "function rnea\\n") && !strstr(r.source, "function fpass")));
 	rneagen_result_free(&r);
+}
+END_TEST
+
+/* The head names the function that is left, and another one's name is refused. */
+START_TEST(only_by_name)
+{
+	static const int asked[] = {RNEAGEN_ONLY_MAIN, RNEAGEN_ONLY_RNEA, RNEAGEN_ONLY_FD, RNEAGEN_ONLY_KIN};
+	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_result r;
+	struct rneagen_error e;
+	size_t length;
+	char *urdf = read_file(TEST_DIR "/robots/ur5.urdf", &length);
+
+	o.scene = "want qdd";
+	o.target = RNEAGEN_TARGET_C;
+	for (int i = 0; i < 4; i++) {
+		o.only = asked[i];
+		if (asked[i] == RNEAGEN_ONLY_MAIN || asked[i] == RNEAGEN_ONLY_FD) {
+			ck_assert(!rneagen_generate(urdf, length, &o, &r, &e) && strstr(r.source, " --only fd"));
+			rneagen_result_free(&r);
+			continue;
+		}
+		ck_assert_int_eq(rneagen_generate(urdf, length, &o, &r, &e), RNEAGEN_USAGE);
+		ck_assert_str_eq(strstr(e.message, "with"), "with these outputs the function is fd: take --only fd");
+	}
+	free(urdf);
 }
 END_TEST
 
@@ -373,6 +399,7 @@ int main(void)
 
 	suite_add(suite, "texts", texts, variants, 60);
 	suite_add(suite, "only rnea", only_rnea, RNEAGEN_TARGET_COUNT, 10);
+	suite_add(suite, "only by name", only_by_name, 1, 10);
 	suite_add(suite, "joints", limits_by_rows, 1, 10);
 	return suite_run(suite);
 }

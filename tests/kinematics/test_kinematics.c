@@ -27,8 +27,6 @@ struct words {
 
 static void add(struct words *w, enum want_kind kind, const char *link)
 {
-	if (want_is(kind, IS_UNBUILT))
-		return;
 	w->length += (size_t)snprintf(w->text + w->length, sizeof w->text - w->length, "%s%s%s%s", w->count++ ? "," : "want ",
 		want_type(kind)->word, link ? "." : "", link ? link : "");
 }

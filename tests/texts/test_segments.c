@@ -206,7 +206,7 @@ static const struct choice {
 	enum rneagen_target target;
 	enum rneagen_layout layout;
 	enum rneagen_precision precision;
-	int only_rnea, is_cut;
+	int only, is_cut;
 	enum rneagen_base base;
 } CHOICES[] = {
 	{"iiwa14", "", RNEAGEN_TARGET_C, RNEAGEN_SOA, RNEAGEN_F64, 0, 0, RNEAGEN_FIXED},
@@ -240,7 +240,7 @@ START_TEST(test_chosen)
 	o.target = c->target;
 	o.layout = c->layout;
 	o.precision = c->precision;
-	o.only_rnea = c->only_rnea;
+	o.only = c->only;
 	o.base = c->base;
 	target_generate(&t, urdf, length, &o, c->name);
 	ck_assert_int_eq(strstr(t.text.source, "_segment1(") != NULL, c->is_cut);

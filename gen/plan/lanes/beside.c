@@ -118,7 +118,7 @@ static int make_beside(struct pass *p, const struct request *k, const struct rne
 
 int lanes_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
-	if (!segments_single(p, k, o, a) || (!o->only_rnea && !segments_many(p, k, o, a)))
+	if (!segments_single(p, k, o, a) || (!o->only && !segments_many(p, k, o, a)))
 		return 0;
 	if (!may_have_lanes(k, o) || (p->single && dag_loops_go_back(&p->single->dag)))
 		return !a->failed;

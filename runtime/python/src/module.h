@@ -11,7 +11,7 @@
 #include "rneagen.h"
 
 /* Fill *o from a dictionary: words for target, precision, layout, trig, base, mimic; numbers for strict, bounded,
-   only_rnea, parts, segments, tell; three of gravity; strings for order, name, file, scene, which stay the
+   only, parts, segments, tell; three of gravity; strings for order, name, file, scene, which stay the
    dictionary's. 0, or -1 and an exception. */
 int options_take(PyObject *dict, struct rneagen_options *o);
 

@@ -123,7 +123,7 @@ static int take_option(const char *key, PyObject *value, struct rneagen_options 
 	const struct {
 		const char *key;
 		int *value;
-	} numbers[] = {{"strict", &o->strict}, {"bounded", &o->bounded}, {"only_rnea", &o->only_rnea}, {"parts", &o->parts},
+	} numbers[] = {{"strict", &o->strict}, {"bounded", &o->bounded}, {"only", &o->only}, {"parts", &o->parts},
 		{"segments", &o->segments}, {"limbs", &o->limbs}, {"tell", (int *)&o->tell}};
 	const struct {
 		const char *key, **value;
