@@ -61,7 +61,7 @@ enum info_mode { INFO_NONE, INFO_TABLE, INFO_JSON, INFO_DOT };
 struct command {
 	struct rneagen_options options;
 	const char *input, *output;
-	int has_target, quiet;
+	int has_target, is_text_printed, quiet; /* is_text_printed: -o - */
 	enum info_mode info;
 	struct file_names read;
 };
@@ -103,6 +103,7 @@ static int parse_option(struct command *c, int key, const char *word)
 	switch (key) {
 	case 'o':
 		c->output = strcmp(word, "-") ? word : NULL;
+		c->is_text_printed = !c->output;
 		return *word ? 0 : option_refuse(COMMAND, "-o takes the name of a file, not an empty word");
 	case KEY_NAME:
 		c->options.name = word;
@@ -169,6 +170,10 @@ static int parse_command(struct command *c, int argc, char **argv)
 		return option_refuse(COMMAND, "the name of the URDF is empty");
 	if (c->output && c->options.dump != RNEAGEN_DUMP_NONE)
 		return option_refuse(COMMAND, "--dump prints to standard output and goes without -o");
+	if (c->is_text_printed && c->info != INFO_NONE)
+		return option_refuse(COMMAND, "-o - and %s both print to standard output; take one", c->info == INFO_DOT ? "--dot" : "--info");
+	if (c->options.dump != RNEAGEN_DUMP_NONE && c->info != INFO_NONE)
+		return option_refuse(COMMAND, "--dump and %s both print to standard output; take one", c->info == INFO_DOT ? "--dot" : "--info");
 	c->options.file = strcmp(c->input, "-") ? c->input : "<stdin>";
 	return -1;
 }

@@ -137,7 +137,7 @@ static void put_group(const struct emission *e, const struct pass *p, struct tex
 {
 	int is_short = plan_flops(plan_operations(&p->plan)) <= SHORT_FLOPS;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"GROUP", emit_int(e, group_of(e, p))},
-		{"WHERE_SMALL", where_small(e)}, {"VECTORS", is_short ? "RNEA_VECTORS " : ""},
+		{"WHERE_SMALL", where_small(e)}, {"VECTORS", is_short ? "RNEA_VECTORS " : ""}, {"LOOP", is_short ? "RNEA_LOOP" : "RNEA_ALONE"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
 		{"COUNT_PARAM", emit_groups_have_rows(e, p) ? "size_t count, " : ""}, {"AT_SAMPLE", emit_groups_at_sample(e, p)},
 		{"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};

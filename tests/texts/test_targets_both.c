@@ -63,7 +63,7 @@ static void open_both(struct both *b, const char *robot, const struct rneagen_op
 	target_compile(&b->cuda, argv);
 	b->handle = dlopen(b->library.s, RTLD_NOW | RTLD_LOCAL);
 	ck_assert_msg(b->handle != NULL, "%s: %s", b->c.what, dlerror());
-	b->f32 = strstr(b->c.text.source, "_rnea(const float *") != NULL;
+	b->f32 = strstr(b->c.text.source, "_rnea(const float ") != NULL;
 }
 
 static void close_both(struct both *b)

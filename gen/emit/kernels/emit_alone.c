@@ -15,7 +15,7 @@ static int are_long(const struct emission *e)
 
 /* Smaller batches leave multiprocessors idle that the one kernel gives other parts. Beyond, the blocks of one part do not share a
    multiprocessor with those of another, and each takes the registers that it needs. In f64 all parts take all registers there are: without
-   tiles a million samples lose. Measurements: gen/plan/README.md, Parts of matrices. */
+   tiles a million samples lose. Measurements: gen/plan/grid/README.md, Parts of matrices. */
 int emit_alone_least(const struct emission *e)
 {
 	if (!e->target->kernel || e->wide || emit_is_operation(e))
