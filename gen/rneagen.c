@@ -24,7 +24,7 @@ struct generation {
 	const struct algorithm *algorithms[ALGORITHM_COUNT];
 	struct dag raw[ALGORITHM_COUNT]; /* of the halves, until they are fused; the analysis has that of the whole */
 	struct arena raw_arena;
-	struct pass passes[ALGORITHM_COUNT];
+	struct function functions[ALGORITHM_COUNT];
 	struct relay *relay;
 	struct part *parts; /* of the relay's second kernel, where there is a relay */
 	int part_count;
@@ -82,10 +82,10 @@ static enum rneagen_code dag_fuse_all(struct generation *g)
 
 	if (pass_dag_fuse(a))
 		return a->error->code;
-	g->passes[0].dag = a->dag;
+	g->functions[0].dag = a->dag;
 	for (int i = 1; i < function_count(g); i++) {
-		dag_init(&g->passes[i].dag, a->arena);
-		dag_fuse(&g->passes[i].dag, &g->raw[i], a->options.strict);
+		dag_init(&g->functions[i].dag, a->arena);
+		dag_fuse(&g->functions[i].dag, &g->raw[i], a->options.strict);
 	}
 	arena_free(&g->raw_arena);
 	return RNEAGEN_OK;
@@ -96,11 +96,11 @@ static enum rneagen_code plan_build_all(struct generation *g)
 	struct analysis *a = &g->analysis;
 
 	for (int i = 0; i < function_count(g); i++) {
-		g->passes[i].algorithm = g->algorithms[i];
-		if (!plan_build(&g->passes[i].plan, &g->passes[i].dag, &a->tree, a->arena))
+		g->functions[i].algorithm = g->algorithms[i];
+		if (!plan_build(&g->functions[i].plan, &g->functions[i].dag, &a->tree, a->arena))
 			return error_memory(a->error);
 	}
-	return plan_order(&g->passes[0], &a->tree, &a->request, &a->options, ORDERED_WHOLE, a->arena) ? RNEAGEN_OK : error_memory(a->error);
+	return plan_order(&g->functions[0], &a->tree, &a->request, &a->options, ORDERED_WHOLE, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
 /* The last that needs the DAG as it was before it was fused. */
@@ -108,21 +108,21 @@ static enum rneagen_code parts_choose(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
 	int has_kernels = target_type_of(a->options.target)->kernel != NULL, is_unpruned = a->adjust.prune == 0;
-	const struct parts_of x = {&g->passes[0], &a->raw, &a->tree, &a->request, &a->options, has_kernels, is_unpruned, 0};
+	const struct parts_of x = {&g->functions[0], &a->raw, &a->tree, &a->request, &a->options, has_kernels, is_unpruned, 0};
 
 	if (!relay_or_parts(&g->relay, &g->parts, &g->part_count, &x, a->arena, a->error) && !g->relay)
-		tiles_choose(&g->passes[0], g->parts, g->part_count, &x, a->arena, a->error);
+		tiles_choose(&g->functions[0], g->parts, g->part_count, &x, a->arena, a->error);
 	analysis_free_raw(a);
 	return a->error->code;
 }
 
 /* On a GPU the main kernel alone is long enough, and its grid may have parts instead. */
-static enum segment_use segment_use(const struct generation *g, int pass)
+static enum segment_use segment_use(const struct generation *g, int function)
 {
 	const struct target_type *target = target_type_of(g->analysis.options.target);
 
 	if (target->kernel)
-		return pass == 0 && !g->part_count ? SEGMENT_KERNEL : SEGMENT_NONE;
+		return function == 0 && !g->part_count ? SEGMENT_KERNEL : SEGMENT_NONE;
 	return target->has_batches ? SEGMENT_LOOPS : SEGMENT_NONE;
 }
 
@@ -131,27 +131,27 @@ static enum rneagen_code segments_make_all(struct generation *g)
 	struct analysis *a = &g->analysis;
 
 	for (int i = 0; i < function_count(g); i++)
-		if (!segments_choose(&g->passes[i], segment_use(g, i), &a->request, &a->options, a->arena))
+		if (!segments_choose(&g->functions[i], segment_use(g, i), &a->request, &a->options, a->arena))
 			return error_memory(a->error);
 	if (!target_type_of(a->options.target)->kernel && a->adjust.prune == 0 &&
-		!lanes_single(g->passes, &a->request, &a->options, a->arena))
+		!lanes_single(g->functions, &a->request, &a->options, a->arena))
 		error_memory(a->error);
 	return a->error->code;
 }
 
 /* Of what a kernel computes: the main function, or its parts; but where these share nothing, the whole serves small batches. */
 static enum rneagen_code choose_for_kernel(struct generation *g,
-	int (*choose)(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a))
+	int (*choose)(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a))
 {
 	struct analysis *a = &g->analysis;
 	int in_parts = g->part_count && !parts_are_apart(g->parts, g->part_count), count = in_parts ? g->part_count : 1;
-	struct pass **passes = arena_alloc(a->arena, (size_t)count, sizeof *passes);
+	struct function **functions = arena_alloc(a->arena, (size_t)count, sizeof *functions);
 
 	if (!target_type_of(a->options.target)->kernel)
 		return RNEAGEN_OK;
-	for (int i = 0; i < count && passes; i++)
-		passes[i] = in_parts ? &g->parts[i].pass : &g->passes[0];
-	return passes && choose(passes, count, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
+	for (int i = 0; i < count && functions; i++)
+		functions[i] = in_parts ? &g->parts[i].function : &g->functions[0];
+	return functions && choose(functions, count, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
 static enum rneagen_code limbs_make_all(struct generation *g)
@@ -162,7 +162,7 @@ static enum rneagen_code limbs_make_all(struct generation *g)
 	if ((!are_apart && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
 		return a->error->code;
 	if (are_apart && g->part_count > 1)
-		limbs_beside_parts(&g->passes[0].limbs, &a->request, &a->options);
+		limbs_beside_parts(&g->functions[0].limbs, &a->request, &a->options);
 	return !g->relay || relay_limbs(g->relay, &a->request, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
@@ -184,7 +184,7 @@ static enum rneagen_code measure(struct generation *g)
 
 	if ((is_told || adjust_is_asked(&a->adjust)) && effect_measure(&g->info.effects, a))
 		return a->error->code;
-	return is_told ? saving_measure(&g->info.savings, a, &g->passes[0].plan) : RNEAGEN_OK;
+	return is_told ? saving_measure(&g->info.savings, a, &g->functions[0].plan) : RNEAGEN_OK;
 }
 
 static struct emission new_emission(struct generation *g, const char *told)
@@ -192,7 +192,7 @@ static struct emission new_emission(struct generation *g, const char *told)
 	struct analysis *a = &g->analysis;
 
 	return (struct emission){.tree = &a->tree, .request = &a->request, .scene = &a->scene, .adjust = &a->adjust,
-		.options = &a->options, .passes = g->passes, .pass_count = function_count(g),
+		.options = &a->options, .functions = g->functions, .function_count = function_count(g),
 		.parts = g->parts, .part_count = g->part_count, .relay = g->relay,
 		.warnings = g->result->warnings, .warning_count = g->result->warning_count,
 		.told = told, .hash = g->hash,
@@ -255,7 +255,7 @@ static enum rneagen_code tell(struct generation *g)
 /* ---- all of them ---- */
 
 /* A pass is the analysis's or the generation's. */
-struct stage {
+struct step {
 	const char *name, *makes;
 	enum rneagen_code (*analyse)(struct analysis *a);
 	enum rneagen_code (*generate)(struct generation *g);
@@ -269,7 +269,7 @@ struct stage {
 #define DUMPED(word, name) #word, RNEAGEN_DUMP_##name, dump_##word
 #define SILENT NULL, RNEAGEN_DUMP_NONE, NULL
 
-static const struct stage PASSES[] = {
+static const struct step PASSES[] = {
 	{"urdf_read", "the robot, as its file states it", FIRST_HALF(urdf_read), DUMPED(robot, ROBOT)},
 	{"options_resolve", "options, with their defaults", SECOND_HALF(options_resolve), SILENT},
 	{"scene_parse", "the scene's choices", FIRST_HALF(scene_parse), SILENT},
@@ -292,12 +292,12 @@ static const struct stage PASSES[] = {
 	{"emit", "the text, and its header", SECOND_HALF(emit), SILENT},
 	{"tell", "--info and --dot", SECOND_HALF(tell), SILENT},
 };
-enum { STAGES = sizeof PASSES / sizeof *PASSES };
+enum { STEPS = sizeof PASSES / sizeof *PASSES };
 
 static void put_passes(struct text *out)
 {
-	for (int i = 0; i < STAGES; i++) {
-		const struct stage *p = &PASSES[i];
+	for (int i = 0; i < STEPS; i++) {
+		const struct step *p = &PASSES[i];
 
 		text_printf(out, p->word ? "%-16s %-51s --dump %s\n" : "%-16s %s\n", p->name, p->makes, p->word);
 	}
@@ -306,7 +306,7 @@ static void put_passes(struct text *out)
 static enum rneagen_code dump(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
-	const struct dumped d = {a, g->passes, function_count(g), g->parts, g->part_count, g->relay};
+	const struct dumped d = {a, g->functions, function_count(g), g->parts, g->part_count, g->relay};
 	struct text out;
 
 	if (a->options.dump == RNEAGEN_DUMP_NONE)
@@ -314,7 +314,7 @@ static enum rneagen_code dump(struct generation *g)
 	text_init(&out, a->arena);
 	if (a->options.dump == RNEAGEN_DUMP_PASSES)
 		put_passes(&out);
-	for (int i = 0; i < STAGES; i++)
+	for (int i = 0; i < STEPS; i++)
 		if (PASSES[i].put && PASSES[i].dump == a->options.dump)
 			PASSES[i].put(&d, &out);
 	if (out.failed)
@@ -327,7 +327,7 @@ static enum rneagen_code generate(struct generation *g)
 {
 	enum rneagen_code code = RNEAGEN_OK;
 
-	for (int i = 0; i < STAGES && !code; i++)
+	for (int i = 0; i < STEPS && !code; i++)
 		code = PASSES[i].analyse ? PASSES[i].analyse(&g->analysis) : PASSES[i].generate(g);
 	analysis_free_raw(&g->analysis);
 	arena_free(&g->raw_arena);

@@ -24,7 +24,7 @@ const char *emit_int(const struct emission *e, int value)
 	return text_string(&t);
 }
 
-int emit_pass_uses(const struct pass *p, enum op op)
+int emit_pass_uses(const struct function *p, enum op op)
 {
 	for (size_t i = 0; i < p->dag.count; i++)
 		if (p->dag.nodes[i].op == op)
@@ -34,28 +34,28 @@ int emit_pass_uses(const struct pass *p, enum op op)
 
 int emit_uses(const struct emission *e, enum op op)
 {
-	for (int i = 0; i < e->pass_count; i++)
-		if (emit_pass_uses(&e->passes[i], op))
+	for (int i = 0; i < e->function_count; i++)
+		if (emit_pass_uses(&e->functions[i], op))
 			return 1;
 	return 0;
 }
 
 int emit_uses_in(const struct emission *e, enum op op, int is_wide)
 {
-	for (int i = 0; i < e->pass_count; i++)
-		for (size_t k = 0; k < e->passes[i].dag.count; k++)
-			if (e->passes[i].dag.nodes[k].op == op && (int)e->passes[i].dag.nodes[k].is_wide == is_wide)
+	for (int i = 0; i < e->function_count; i++)
+		for (size_t k = 0; k < e->functions[i].dag.count; k++)
+			if (e->functions[i].dag.nodes[k].op == op && (int)e->functions[i].dag.nodes[k].is_wide == is_wide)
 				return 1;
 	return 0;
 }
 
 /* A loop holds a limb's lines once. */
-static const struct pass *lines_of(const struct pass *p)
+static const struct function *lines_of(const struct function *p)
 {
 	return p->each ? p->each : p;
 }
 
-static void put_statements(const struct emission *e, const struct pass *p, struct numbers *table, struct text *out)
+static void put_statements(const struct emission *e, const struct function *p, struct numbers *table, struct text *out)
 {
 	emit_unused(e, &p->plan, "", out);
 	text_put(out, emit_has_known(e) ? "\tint all_small = 1;\n" : "");
@@ -63,10 +63,10 @@ static void put_statements(const struct emission *e, const struct pass *p, struc
 	text_put(out, emit_has_known(e) ? "\treturn all_small;\n" : "");
 }
 
-static void put_body(const struct emission *e, const struct pass *p, struct text *out)
+static void put_body(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct slot slots[] = {
-		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"MORE_PARAMS", emit_more_params(e, p)}, {"KNOWN_PARAM", emit_known_params(e)},
 		{"RESULT", emit_has_known(e) ? "int" : "void"},
 		{"RETURNS", emit_has_known(e) ? EMIT_RETURNS : ""},
@@ -118,7 +118,7 @@ static int is_bare(const struct request *k)
 
 const char *emit_what(const struct emission *e)
 {
-	const struct pass *p = emit_main(e);
+	const struct function *p = emit_main(e);
 	int i = 0;
 
 	for (const struct algorithm_array *a = p->algorithm->arrays; a->name; a++, i++)
@@ -149,10 +149,10 @@ static const char *further_text(const struct emission *e)
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (const struct pass *p = emit_main(e) + 1; p < e->passes + e->pass_count; p++) {
+	for (const struct function *p = emit_main(e) + 1; p < e->functions + e->function_count; p++) {
 		const struct call c = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q", .stride = "1"};
 		const struct slot slots[] = {{"BRIEF", p->algorithm->brief}, {"NAME", e->options->name},
-			{"PASS", p->algorithm->name}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
+			{"FUNCTION", p->algorithm->name}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
 			{"CALL", emit_call(e, p, &c)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 			{"NAMES", emit_params(e, p, PARAMS_NAMES)}};
 
@@ -207,13 +207,13 @@ int emit_has_segments(const struct emission *e)
 {
 	if (e->relay || emit_main(e)->beside)
 		return 1;
-	for (int i = 0; i < e->pass_count; i++)
-		if (e->passes[i].segments.count)
+	for (int i = 0; i < e->function_count; i++)
+		if (e->functions[i].segments.count)
 			return 1;
 	return 0;
 }
 
-static void put_pass(const struct emission *e, const struct pass *p, struct text *out)
+static void put_function_of(const struct emission *e, const struct function *p, struct text *out)
 {
 	text_put(out, emit_lanes_instead(e, p) ? EMIT_UNLESS_LANES : "");
 	if (p->segments.count)
@@ -230,7 +230,7 @@ enum { LEAST_WITHOUT_AVX = 300 };
 
 static const char *lanes_need(const struct emission *e)
 {
-	const struct pass *p = emit_main(e)->beside;
+	const struct function *p = emit_main(e)->beside;
 	int is_short = plan_instructions(plan_operations(&p->plan)) < LEAST_WITHOUT_AVX;
 
 	return p->dag.width == 4 && e->arithmetic->bytes == 8 && is_short ? "__AVX__" : "__SSE2__";
@@ -266,21 +266,21 @@ static void put_bodies(const struct emission *e, struct text *out)
 	if (emit_main(e)->single)
 		emit_columns_macros(e, out);
 	for (int i = 0; i < e->part_count; i++)
-		put_body(e, &e->parts[i].pass, out);
+		put_body(e, &e->parts[i].function, out);
 	if (is_whole)
-		put_pass(e, emit_main(e), out);
+		put_function_of(e, emit_main(e), out);
 	text_put(out, emit_alone_least(e) ? EMIT_UNLESS_ALONE : "");
 	for (int i = 0; e->relay && i < e->relay->start_count; i++)
-		put_body(e, &e->relay->starts[i].pass, out);
+		put_body(e, &e->relay->starts[i].function, out);
 	if (e->relay && !e->relay->start_count)
-		put_pass(e, &e->relay->start.pass, out);
+		put_function_of(e, &e->relay->start.function, out);
 	if (e->relay)
-		put_pass(e, &e->relay->solve.pass, out);
-	for (int i = 0; i < e->pass_count; i++)
+		put_function_of(e, &e->relay->solve.function, out);
+	for (int i = 0; i < e->function_count; i++)
 		if (i == 0 && e->part_count)
 			emit_dispatcher(e, out);
 		else if (i || !is_whole)
-			put_pass(e, &e->passes[i], out);
+			put_function_of(e, &e->functions[i], out);
 	text_put(out, emit_alone_least(e) ? "#endif\n" : "");
 	text_put(out, emit_has_limbs(e) ? "#endif\n" : "");
 }
@@ -298,7 +298,7 @@ static const char *lanes_call(const struct emission *e)
 
 void emit_source(const struct emission *e, struct text *out)
 {
-	const struct pass *p = e->passes;
+	const struct function *p = e->functions;
 	struct text kernels;
 	const char *rest;
 
@@ -325,7 +325,7 @@ void emit_source(const struct emission *e, struct text *out)
 		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},
 		{"RNEA_CALL", is_header(e) ? emit_one_call(e, p) : ""}, {"LANES_CALL", lanes_call(e)},
 		{"FURTHER", further_text(e)}, {"SAMPLE", emit_what(e)},
-		{"PASS", p->algorithm->name}, {"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)},
+		{"FUNCTION", p->algorithm->name}, {"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)},
 		{"DIMENSIONS", emit_dimensions(e)},
 	};
 	size_t count = sizeof slots / sizeof *slots, from = out->length;

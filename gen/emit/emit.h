@@ -15,9 +15,9 @@ struct emission {
 	const struct scene *scene;   /* for the command at the head; NULL: none, as its */
 	const struct adjust *adjust;
 	const struct rneagen_options *options; /* defaults resolved: precision, name, file */
-	const struct pass *passes;             /* pass_count of them: the functions of the text, the first of which is a */
-	int pass_count;                        /* scene's request, or one operation of the robot, where it is such a text */
-	const struct part *parts;              /* what the first pass does, as parts of the grid; part_count 0: it is whole */
+	const struct function *functions;             /* function_count of them: the functions of the text, the first of which is a */
+	int function_count;                        /* scene's request, or one operation of the robot, where it is such a text */
+	const struct part *parts;              /* what the first function does, as parts of the grid; part_count 0: it is whole */
 	int part_count;
 	const struct relay *relay;             /* whose second kernel has these parts; NULL: there is one kernel */
 	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
@@ -37,15 +37,15 @@ struct emission {
 };
 
 /* The text's first function: what a call of a sample, or of a batch, computes; what may be in parts, staged and bounded. */
-static inline const struct pass *emit_main(const struct emission *e)
+static inline const struct function *emit_main(const struct emission *e)
 {
-	return e->passes;
+	return e->functions;
 }
 
 /* What a kernel computes in each place along y of its grid: the main function, or a part of it; how many such places there are. */
-static inline const struct pass *emit_part(const struct emission *e, int part)
+static inline const struct function *emit_part(const struct emission *e, int part)
 {
-	return e->part_count ? &e->parts[part].pass : emit_main(e);
+	return e->part_count ? &e->parts[part].function : emit_main(e);
 }
 
 static inline int emit_is_apart(const struct emission *e)
@@ -59,17 +59,17 @@ static inline int emit_has_columns(const struct emission *e)
 	return e->part_count && !emit_is_apart(e) && e->options->layout == RNEAGEN_SOA;
 }
 
-/* Which of these parts a pass is; -1: none. */
-static inline int emit_column_part(const struct emission *e, const struct pass *p)
+/* Which of these parts a function is; -1: none. */
+static inline int emit_column_part(const struct emission *e, const struct function *p)
 {
 	for (int i = 0; i < e->part_count && emit_has_columns(e); i++)
-		if (p == &e->parts[i].pass)
+		if (p == &e->parts[i].function)
 			return i;
 	return -1;
 }
 
-/* Is it the main pass, or one of these parts? */
-static inline int emit_is_of_main(const struct emission *e, const struct pass *p)
+/* Is it the main function, or one of these parts? */
+static inline int emit_is_of_main(const struct emission *e, const struct function *p)
 {
 	return p == emit_main(e) || emit_column_part(e, p) >= 0;
 }
@@ -95,7 +95,7 @@ int emit_joints_again(const struct emission *e);
 /* Loops over alike limbs in the main kernel (plan/lanes/each.h); NULL: there are none. */
 static inline const struct each *emit_loops(const struct emission *e)
 {
-	return e->part_count && e->parts->pass.each ? e->parts->pass.each->loops : NULL;
+	return e->part_count && e->parts->function.each ? e->parts->function.each->loops : NULL;
 }
 
 /* Of the nodes that are wide; NULL: there are none. */
@@ -105,12 +105,12 @@ static inline const struct number_type *emit_wide(const struct emission *e)
 }
 
 /* Is it of a relay's first or third kernel? */
-static inline int emit_is_relays(const struct emission *e, const struct pass *p)
+static inline int emit_is_relays(const struct emission *e, const struct function *p)
 {
 	for (int i = 0; e->relay && i < e->relay->start_count; i++)
-		if (p == &e->relay->starts[i].pass)
+		if (p == &e->relay->starts[i].function)
 			return 1;
-	return e->relay && (p == &e->relay->start.pass || p == &e->relay->solve.pass);
+	return e->relay && (p == &e->relay->start.function || p == &e->relay->solve.function);
 }
 
 static inline int emit_part_places(const struct emission *e)
@@ -146,8 +146,8 @@ const char *emit_layout_name(enum rneagen_layout layout);
    files and of the functions, which take quotes. */
 void emit_options(const struct rneagen_options *o, struct text *out);
 
-/* Is there such an operation in a pass; in the text? */
-int emit_pass_uses(const struct pass *p, enum op op);
+/* Is there such an operation in a function; in the text? */
+int emit_pass_uses(const struct function *p, enum op op);
 int emit_uses(const struct emission *e, enum op op);
 /* The same of wide nodes, or of the others. */
 int emit_uses_in(const struct emission *e, enum op op, int is_wide);
@@ -204,19 +204,19 @@ const char *emit_joints(const struct emission *e);
 /* What can stand in a string of C, whatever `s` holds. */
 void emit_literal(const char *s, size_t length, struct text *out);
 
-/* A pass's arguments as parameters (SIZED: of one sample, with their rows, so that compilers see arrays that are too short; FIRST: of
+/* A function's arguments as parameters (SIZED: of one sample, with their rows, so that compilers see arrays that are too short; FIRST: of
    a segment, at the first of its samples), as their names, as addresses, out of
    an array of pointers, or moved on to sample k of a batch. */
 enum params {
 	PARAMS_PLAIN, PARAMS_SIZED, PARAMS_FIRST, PARAMS_RESTRICT, PARAMS_CUDA_RESTRICT, PARAMS_NAMES, PARAMS_ADDRESSES, PARAMS_ARRAYS,
 	PARAMS_AT_SAMPLE
 };
-const char *emit_params(const struct emission *e, const struct pass *p, enum params kind);
+const char *emit_params(const struct emission *e, const struct function *p, enum params kind);
 const char *emit_q_at_sample(const struct emission *e);
 void emit_put_at_sample(const struct emission *e, const struct argument *a, struct text *out);
 
 /* The arrays moved on to sample k of a batch, and the stride of their rows. */
-const char *emit_at_sample(const struct emission *e, const struct pass *p);
+const char *emit_at_sample(const struct emission *e, const struct function *p);
 
 /* From one row of a batch to the next. */
 const char *emit_stride(const struct emission *e);
@@ -240,7 +240,7 @@ struct touched {
 
 struct touched emit_touched(const struct plan *p);
 
-/* Parameters that these lines, some or all of the pass's, do not read: `prefix` goes before the names of what each sample
+/* Parameters that these lines, some or all of the function's, do not read: `prefix` goes before the names of what each sample
    has its own of. */
 void emit_unused(const struct emission *e, const struct plan *p, const char *prefix, struct text *out);
 
@@ -248,23 +248,23 @@ void emit_unused(const struct emission *e, const struct plan *p, const char *pre
 	"   known: sines holds the sine and cosine of each angle. Returns whether all angles are small: if not, and not `known`,\n" \
 	"   the results mean nothing.\n"
 int emit_has_segments(const struct emission *e);
-/* A pass in segments: the body of each; target C: the functions of a sample and of a part of a batch; CUDA: its kernel. */
-void emit_segments(const struct emission *e, const struct pass *p, struct text *out);
-void emit_segments_one(const struct emission *e, const struct pass *p, struct text *out);
-void emit_segments_group(const struct emission *e, const struct pass *p, const char *where_small, struct text *out);
-int emit_segments_lanes(const struct emission *e, const struct pass *p); /* samples of such a group */
+/* A function in segments: the body of each; target C: the functions of a sample and of a part of a batch; CUDA: its kernel. */
+void emit_segments(const struct emission *e, const struct function *p, struct text *out);
+void emit_segments_one(const struct emission *e, const struct function *p, struct text *out);
+void emit_segments_group(const struct emission *e, const struct function *p, const char *where_small, struct text *out);
+int emit_segments_lanes(const struct emission *e, const struct function *p); /* samples of such a group */
 
-/* What a call of one sample runs in lanes, and a batch does not; NULL: there is nothing. Its bodies, and the function, of a pass
+/* What a call of one sample runs in lanes, and a batch does not; NULL: there is nothing. Its bodies, and the call, of a function
    that has such or has not. */
 #define EMIT_IF_LANES "#if defined RNEA_LANES\n"
 #define EMIT_UNLESS_LANES "#if !defined RNEA_LANES\n"
-const struct pass *emit_lanes_alone(const struct pass *p);
-int emit_lanes_instead(const struct emission *e, const struct pass *p); /* of the pass's own, which no batch calls */
-void emit_lanes_call_bodies(const struct emission *e, const struct pass *p, struct text *out);
-void emit_lanes_call(const struct emission *e, const struct pass *p, struct text *out);
+const struct function *emit_lanes_alone(const struct function *p);
+int emit_lanes_instead(const struct emission *e, const struct function *p); /* of the function's own, which no batch calls */
+void emit_lanes_call_bodies(const struct emission *e, const struct function *p, struct text *out);
+void emit_lanes_call(const struct emission *e, const struct function *p, struct text *out);
 /* What the function of one sample does. */
-const char *emit_one_call(const struct emission *e, const struct pass *p);
-const char *emit_any_name(const struct emission *e, const struct pass *p); /* of the function of one sample, with any angles */
+const char *emit_one_call(const struct emission *e, const struct function *p);
+const char *emit_any_name(const struct emission *e, const struct function *p); /* of the function of one sample, with any angles */
 
 /* The arrays of what goes across cuts, or the one that there is: as parameters; the same where compilers are to know that they
    overlap nothing; as those of a segment, for its first sample; their names; their declarations with room for a sample, or for some
@@ -277,12 +277,12 @@ int emit_across_bytes(const struct emission *e, const struct segments *s);
 /* How many samples a segment runs for. */
 int emit_lanes(const struct emission *e, const struct segments *s);
 
-/* Does a kernel of this pass store the elements of matrices that are always zero in a loop, beside the statements? Is this the
-   store of one? Where the statements of a pass have them apart, under which condition; NULL: among the others. What the loops of
-   the first pass call, and the loops: every `step`th run, from the number `first` on. */
-int emit_has_zeros(const struct emission *e, const struct pass *p);
+/* Does a kernel of this function store the elements of matrices that are always zero in a loop, beside the statements? Is this the
+   store of one? Where the statements of a function have them apart, under which condition; NULL: among the others. What the loops of
+   the first function call, and the loops: every `step`th run, from the number `first` on. */
+int emit_has_zeros(const struct emission *e, const struct function *p);
 int emit_is_zero_store(const struct plan *p, const struct line *l);
-const char *emit_zeros_unless(const struct emission *e, const struct pass *p, int is_beside);
+const char *emit_zeros_unless(const struct emission *e, const struct function *p, int is_beside);
 void emit_zeros(const struct emission *e, struct text *out);
 const char *emit_zero_loops(const struct emission *e, const char *first, const char *step);
 
@@ -306,8 +306,8 @@ struct call {
 };
 
 /* The call, and what comes before and after it so that the results are right whatever the angles. */
-const char *emit_call(const struct emission *e, const struct pass *p, const struct call *c);
-const char *emit_call_any(const struct emission *e, const struct pass *p); /* of a sample in a batch, whatever its angles */
+const char *emit_call(const struct emission *e, const struct function *p, const struct call *c);
+const char *emit_call_any(const struct emission *e, const struct function *p); /* of a sample in a batch, whatever its angles */
 
 /* What the main function computes: its algorithm's formula, or in words where a scene asks for other arrays. */
 const char *emit_what(const struct emission *e);
@@ -334,10 +334,10 @@ void emit_declarations(const struct emission *e, struct text *out);
    statements have no branch, and large angles are taken care of before them. Not where angles are not q alone. */
 int emit_has_known(const struct emission *e);
 
-/* The angles of a pass, each once, in the order of the statements: those whose sines are wide numbers, or the others. A part
+/* The angles of a function, each once, in the order of the statements: those whose sines are wide numbers, or the others. A part
    has those of the whole. */
-struct angles emit_angles(const struct emission *e, const struct pass *p, int is_wide);
-int emit_has_angles(const struct emission *e, const struct pass *p);
+struct angles emit_angles(const struct emission *e, const struct function *p, int is_wide);
+int emit_has_angles(const struct emission *e, const struct function *p);
 
 /* Those two arguments: as parameters after others, "" where there are none; as they are handed on; as they are where nothing
    is known. */
@@ -347,10 +347,10 @@ const char *emit_unknown_names(const struct emission *e);
 /* Such names behind the other arguments of a call: nothing where bodies take none. */
 const char *emit_handed_on(const struct emission *e, const char *names);
 
-/* `known` and the tables that a pass has, after it was declared by emit_rounds: a kernel's loops over the segments, and again for
+/* `known` and the tables that a function has, after it was declared by emit_rounds: a kernel's loops over the segments, and again for
    each sample of which an angle is large. */
-const char *emit_known_tables(const struct emission *e, const struct pass *p);
-void emit_rounds(const struct emission *e, const struct pass *p, const char *loops, struct text *out);
+const char *emit_known_tables(const struct emission *e, const struct function *p);
+void emit_rounds(const struct emission *e, const struct function *p, const char *loops, struct text *out);
 
 /* The test of a sample's angles, in accurate mode, with those functions; the same of a part's angles alone. */
 const char *emit_is_small(const struct emission *e);

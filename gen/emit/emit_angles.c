@@ -19,17 +19,17 @@ int emit_has_known(const struct emission *e)
 }
 
 /* Parts, kernels of a relay, and what batches or a call of one sample run, have the table of the whole. */
-static const struct pass *table_of(const struct emission *e, const struct pass *p)
+static const struct function *table_of(const struct emission *e, const struct function *p)
 {
 	if (p == emit_main(e)->many || p == emit_main(e)->single || p == emit_main(e)->beside || emit_is_relays(e, p))
 		return emit_main(e);
 	for (int i = 0; i < e->part_count; i++)
-		if (p == &e->parts[i].pass || p == e->parts[i].pass.each)
+		if (p == &e->parts[i].function || p == e->parts[i].function.each)
 			return emit_main(e);
 	return p;
 }
 
-struct angles emit_angles(const struct emission *e, const struct pass *p, int is_wide)
+struct angles emit_angles(const struct emission *e, const struct function *p, int is_wide)
 {
 	return angles_of(&table_of(e, p)->plan, is_wide, e->arena);
 }
@@ -78,8 +78,8 @@ const char *emit_handed_on(const struct emission *e, const char *names)
 	return text_string(&t);
 }
 
-/* A pass may have angles of one type of numbers alone. */
-static const char *tables_text(const struct emission *e, const struct pass *p, const char *known)
+/* A function may have angles of one type of numbers alone. */
+static const char *tables_text(const struct emission *e, const struct function *p, const char *known)
 {
 	struct text t;
 
@@ -98,7 +98,7 @@ static void put_table(const struct number_type *n, const char *name, int angles,
 }
 
 /* Their declarations: two numbers for each angle. */
-static const char *declarations_text(const struct emission *e, const struct pass *p, const char *indent)
+static const char *declarations_text(const struct emission *e, const struct function *p, const char *indent)
 {
 	struct text t;
 
@@ -109,7 +109,7 @@ static const char *declarations_text(const struct emission *e, const struct pass
 	return text_string(&t);
 }
 
-int emit_has_angles(const struct emission *e, const struct pass *p)
+int emit_has_angles(const struct emission *e, const struct function *p)
 {
 	const struct plan *table = &table_of(e, p)->plan;
 
@@ -156,11 +156,11 @@ static const char **names_of_inputs(const struct unparser *u, const char *name)
 	return names;
 }
 
-void unparse_angles(const struct emission *e, const struct pass *pass, const struct number_type *numbers,
+void unparse_angles(const struct emission *e, const struct function *function, const struct number_type *numbers,
 	const struct angles *list, const char *suffix, struct text *out)
 {
-	struct unparser u = unparse_new(e, pass, e->numbers), wide = unparse_new(e, pass, e->wide ? e->wide : e->numbers);
-	struct plan plan = pass->plan;
+	struct unparser u = unparse_new(e, function, e->numbers), wide = unparse_new(e, function, e->wide ? e->wide : e->numbers);
+	struct plan plan = function->plan;
 
 	plan.names = names_of_inputs(&u, NULL);
 	if (!plan.names)
@@ -175,7 +175,7 @@ void unparse_angles(const struct emission *e, const struct pass *pass, const str
 	}
 }
 
-void unparse_angle_of(const struct emission *e, const struct pass *p, struct ref angle, const char *input, struct text *out)
+void unparse_angle_of(const struct emission *e, const struct function *p, struct ref angle, const char *input, struct text *out)
 {
 	struct unparser u = unparse_new(e, p, e->numbers);
 	struct plan plan = p->plan;
@@ -189,7 +189,7 @@ void unparse_angle_of(const struct emission *e, const struct pass *p, struct ref
 
 /* ---- functions ---- */
 
-static void put_each(const struct emission *e, const struct pass *p, const struct number_type *n, const char *suffix,
+static void put_each(const struct emission *e, const struct function *p, const struct number_type *n, const char *suffix,
 	struct text *out)
 {
 	const struct angles list = emit_angles(e, p, n == e->wide);
@@ -221,7 +221,7 @@ static int any_has_stride(const struct angles list)
 	return 0;
 }
 
-static const char *each_text(const struct emission *e, const struct pass *p)
+static const char *each_text(const struct emission *e, const struct function *p)
 {
 	struct text t;
 
@@ -248,8 +248,8 @@ const char *emit_sines(const struct emission *e)
 		return "";
 	text_printf(&params, "%s *sines", e->numbers->value);
 	const char *outputs = joined(e, text_string(&params), ", %s *sines_wide", e->wide ? e->wide->value : "");
-	for (const struct pass *p = e->passes; p < e->passes + e->pass_count; p++) {
-		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
+	for (const struct function *p = e->functions; p < e->functions + e->function_count; p++) {
+		const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"T", e->memory->type},
 			{"PARAMS", outputs}, {"EACH", each_text(e, p)}};
 
 		if (emit_has_angles(e, p))
@@ -260,7 +260,7 @@ const char *emit_sines(const struct emission *e)
 
 /* ---- calls ---- */
 
-static const char *body_call(const struct emission *e, const struct pass *p, const char *indent, const char *arguments,
+static const char *body_call(const struct emission *e, const struct function *p, const char *indent, const char *arguments,
 	const char *stride, const char *more)
 {
 	struct text t;
@@ -271,7 +271,7 @@ static const char *body_call(const struct emission *e, const struct pass *p, con
 }
 
 /* And what a part is given beside it. */
-static const char *stride_text(const struct emission *e, const struct pass *p, const struct call *c)
+static const char *stride_text(const struct emission *e, const struct function *p, const struct call *c)
 {
 	struct text t;
 
@@ -280,10 +280,10 @@ static const char *stride_text(const struct emission *e, const struct pass *p, c
 	return text_string(&t);
 }
 
-static const char *call_expanded(const struct emission *e, const struct pass *p, const char *frame, const char *asked,
+static const char *call_expanded(const struct emission *e, const struct function *p, const char *frame, const char *asked,
 	const struct call *c)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"INDENT", c->indent},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"INDENT", c->indent},
 		{"Q", c->part || c->is_tiled ? emit_q_at_sample(e) : c->q}, {"Q_STRIDE", c->part || c->is_tiled ? emit_stride(e) : c->stride},
 		{"TABLE", table_of(e, p)->algorithm->name},
 		{"STRIDE", stride_text(e, p, c)}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
@@ -296,7 +296,7 @@ static const char *call_expanded(const struct emission *e, const struct pass *p,
 	return text_string(&t);
 }
 
-const char *emit_call(const struct emission *e, const struct pass *p, const struct call *c)
+const char *emit_call(const struct emission *e, const struct function *p, const struct call *c)
 {
 	struct text asked;
 	int is_own = c->part || (emit_asks_by_parts(e) && emit_is_of_main(e, p));
@@ -315,7 +315,7 @@ const char *emit_call(const struct emission *e, const struct pass *p, const stru
 	return call_expanded(e, p, template_call_known_in, text_string(&asked), c);
 }
 
-const char *emit_call_any(const struct emission *e, const struct pass *p)
+const char *emit_call_any(const struct emission *e, const struct function *p)
 {
 	const struct call any = {.indent = "\t", .arguments = emit_params(e, p, PARAMS_NAMES), .q = "q",
 		.stride = "stride", .is_any = 1};
@@ -323,12 +323,12 @@ const char *emit_call_any(const struct emission *e, const struct pass *p)
 	return emit_call(e, p, &any);
 }
 
-const char *emit_known_tables(const struct emission *e, const struct pass *p)
+const char *emit_known_tables(const struct emission *e, const struct function *p)
 {
 	return tables_text(e, p, "known, ");
 }
 
-void emit_rounds(const struct emission *e, const struct pass *p, const char *loops, struct text *out)
+void emit_rounds(const struct emission *e, const struct function *p, const char *loops, struct text *out)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"TABLE", table_of(e, p)->algorithm->name},
 		{"SINES", declarations_text(e, p, "\t\t")}, {"SEGMENTS", loops}, {"Q", emit_q_at_sample(e)},

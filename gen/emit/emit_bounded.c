@@ -214,13 +214,13 @@ static const char *store_text(const struct emission *e)
 	return e->memory == &SCALAR_F32 ? "(float)(e > 0 ? e*(1 + 0x1p-22) + 0x1p-149 : e)" : "e*(1 + 0x1p-50)";
 }
 
-static void put_swept(const struct emission *e, const struct pass *p, struct text *out)
+static void put_swept(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct dag *d = &p->dag;
 	const struct scalar *s = e->arithmetic;
 	const struct slot slots[] = {
 		{"M_F", e->memory->suffix}, {"U", s->unit_text}, {"TINY", s->tiny_text}, {"MAX", s->largest},
-		{"FUSED", fused_text(e)}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
+		{"FUSED", fused_text(e)}, {"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"APART", e->options->strict ? "RNEA_APART " : ""}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"M", e->memory->type}, {"OPERATIONS", operations_text(e, d)},
 		{"CONSTANTS", constants_text(e, d)}, {"RESULTS", results_text(e, d)}, {"INPUTS", inputs_text(e, d)},
@@ -238,7 +238,7 @@ static void put_swept(const struct emission *e, const struct pass *p, struct tex
 
 /* The operations that the text has, each beside its bound. */
 static void put_operations_within(
-	const struct emission *e, const struct pass *p, const struct slot *slots, size_t count, struct text *out)
+	const struct emission *e, const struct function *p, const struct slot *slots, size_t count, struct text *out)
 {
 	template_expand(out, template_bounded_in, slots, count);
 	if (emit_pass_uses(p, OP_SIN) || emit_pass_uses(p, OP_COS))
@@ -249,7 +249,7 @@ static void put_operations_within(
 		template_expand(out, template_bounded_store_in, slots, count);
 }
 
-static void put_running(const struct emission *e, const struct pass *p, struct text *out)
+static void put_running(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct scalar *s = e->arithmetic;
 	int way = longest_way(e, &p->dag);
@@ -257,7 +257,7 @@ static void put_running(const struct emission *e, const struct pass *p, struct t
 	const struct slot slots[] = {
 		{"F", s->suffix}, {"F_UPPER", s->upper}, {"T", s->type}, {"U", s->unit_text}, {"TINY", s->tiny_text},
 		{"MAX", s->largest}, {"MODE", emit_trig_name(emit_trig_of(e->options))}, {"FUSED", fused_text(e)},
-		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"STRICT", e->options->strict ? "strict_" : ""},
+		{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"STRICT", e->options->strict ? "strict_" : ""},
 		{"APART", e->options->strict ? "RNEA_APART " : ""}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"M", e->memory->type}, {"FACTOR", factor_text(e, way)},
 		{"ENDS", ends_text(e, &p->dag)},
@@ -276,7 +276,7 @@ static void put_running(const struct emission *e, const struct pass *p, struct t
 
 void emit_bounded(const struct emission *e, struct text *out)
 {
-	const struct pass *p = emit_main(e);
+	const struct function *p = emit_main(e);
 
 	text_put(out, template_bounded_finite_in);
 	if (emit_bounds_by_table(e, &p->dag))

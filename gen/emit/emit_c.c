@@ -31,26 +31,26 @@ int emit_has_batches(const struct emission *e)
 	return e->target->kernel || (e->target->has_batches && !e->options->only);
 }
 
-const char *emit_any_name(const struct emission *e, const struct pass *p)
+const char *emit_any_name(const struct emission *e, const struct function *p)
 {
 	return emit_has_known(e) || p->segments.count ? "any" : "body";
 }
 
 /* One sample, whatever its angles. */
-static void put_any(const struct emission *e, const struct pass *p, struct text *out)
+static void put_any(const struct emission *e, const struct function *p, struct text *out)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"CALL_ANY", emit_call_any(e, p)}};
 
 	template_expand(out, template_any_in, slots, sizeof slots / sizeof *slots);
 }
 
 /* What the function of one sample does: the body itself where nothing else calls it. */
-const char *emit_one_call(const struct emission *e, const struct pass *p)
+const char *emit_one_call(const struct emission *e, const struct function *p)
 {
 	const char *names = emit_params(e, p, PARAMS_NAMES), *what = emit_any_name(e, p);
 	const struct call body = {.indent = "\t", .arguments = names, .q = "q", .stride = "1", .is_any = e->target->has_batches};
-	const struct pass *lanes = emit_lanes_alone(p);
+	const struct function *lanes = emit_lanes_alone(p);
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -65,10 +65,10 @@ const char *emit_one_call(const struct emission *e, const struct pass *p)
 }
 
 /* One function for a sample and, where there are batches, one for a part of a batch. */
-static void put_functions(const struct emission *e, const struct pass *p, struct text *out)
+static void put_functions(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
+		{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"APART", e->options->strict ? "RNEA_APART " : ""},
 		{"CALL", emit_one_call(e, p)}, {"COUNT", is_soa(e) ? "count, " : ""}, {"UNUSED", is_soa(e) ? "" : "\t(void)count;"},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"SIZED_PARAMS", emit_params(e, p, PARAMS_SIZED)},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)},
@@ -104,15 +104,15 @@ const char *emit_functions_c(const struct emission *e)
 		template_expand(&t, template_are_small_in, slots, sizeof slots / sizeof *slots);
 	if (emit_has_batches(e))
 		emit_groups_moves(e, &t);
-	for (int i = 0; i < e->pass_count; i++) {
+	for (int i = 0; i < e->function_count; i++) {
 		text_put(&t, i ? "\n" : "");
-		put_functions(e, &e->passes[i], &t);
+		put_functions(e, &e->functions[i], &t);
 	}
 	return text_string(&t);
 }
 
 static void put_prototype(
-	const struct emission *e, const struct pass *p, const char *suffix, const char *more, const char *doc, struct text *out)
+	const struct emission *e, const struct function *p, const char *suffix, const char *more, const char *doc, struct text *out)
 {
 	text_printf(out, "/* %s */\nvoid %s_%s%s(%s%s);\n", doc, e->options->name, p->algorithm->name, suffix,
 		emit_params(e, p, *suffix ? PARAMS_PLAIN : PARAMS_SIZED), more);
@@ -123,12 +123,12 @@ static void put_slice_prototypes(const struct emission *e, struct text *out)
 	text_put(out,
 		"/* Samples first to end - 1 of such a batch of `count`: calls for different samples may run at the same time, each\n"
 		"   in a thread of the caller's own. The arrays are those of ");
-	for (int i = 0; i < e->pass_count; i++)
-		text_printf(out, "%s%s", i == 0 ? "" : i + 1 < e->pass_count ? ", " : " and ", e->passes[i].algorithm->name);
+	for (int i = 0; i < e->function_count; i++)
+		text_printf(out, "%s%s", i == 0 ? "" : i + 1 < e->function_count ? ", " : " and ", e->functions[i].algorithm->name);
 	text_put(out, ", in that order. */\n");
-	for (int i = 0; i < e->pass_count; i++)
+	for (int i = 0; i < e->function_count; i++)
 		text_printf(out, "void %s_%s_slice(void *const *arrays, size_t count, size_t first, size_t end);\n",
-			e->options->name, e->passes[i].algorithm->name);
+			e->options->name, e->functions[i].algorithm->name);
 }
 
 /* What exact means, what a bound covers, and where there is none. */
@@ -185,7 +185,7 @@ const char *emit_prototypes(const struct emission *e)
 		put_bounded_prototype(e, &t);
 	if (emit_has_batches(e))
 		put_prototype(e, emit_main(e), "_batch", ", size_t count", text_string(&many), &t);
-	for (const struct pass *p = emit_main(e) + 1; p < e->passes + e->pass_count; p++)
+	for (const struct function *p = emit_main(e) + 1; p < e->functions + e->function_count; p++)
 		put_prototype(e, p, "", "", p->algorithm->brief, &t);
 	if (emit_has_batches(e))
 		put_slice_prototypes(e, &t);

@@ -32,13 +32,13 @@ static const char *count_param(const struct emission *e)
 /* ---- how many ---- */
 
 /* How many samples a group has: of segments as many as their values have room for. */
-static int group_of(const struct emission *e, const struct pass *p)
+static int group_of(const struct emission *e, const struct function *p)
 {
 	return p->segments.count ? emit_segments_lanes(e, p) : VECTOR_BYTES / e->arithmetic->bytes;
 }
 
 /* Of what stands for each sample in memory. */
-static int sample_bytes(const struct emission *e, const struct pass *p)
+static int sample_bytes(const struct emission *e, const struct function *p)
 {
 	int rows = 0;
 
@@ -47,7 +47,7 @@ static int sample_bytes(const struct emission *e, const struct pass *p)
 	return rows * e->memory->bytes;
 }
 
-static int has_input(const struct pass *p)
+static int has_input(const struct function *p)
 {
 	for (const struct argument *a = p->dag.arguments; a < p->dag.arguments + p->dag.argument_count; a++)
 		if (!a->is_output && !a->per_batch)
@@ -56,23 +56,23 @@ static int has_input(const struct pass *p)
 }
 
 /* May samples be moved? Loops of segments know the places of their columns. */
-static int has_few(const struct emission *e, const struct pass *p)
+static int has_few(const struct emission *e, const struct function *p)
 {
 	return has_input(p) && group_of(e, p) * sample_bytes(e, p) <= ROOM_BYTES && !(p->many && p->many->dag.loop_count);
 }
 
-static int is_turned(const struct emission *e, const struct pass *p)
+static int is_turned(const struct emission *e, const struct function *p)
 {
 	return !is_soa(e) && !e->target->kernel && has_few(e, p);
 }
 
-int emit_groups_have_rows(const struct emission *e, const struct pass *p)
+int emit_groups_have_rows(const struct emission *e, const struct function *p)
 {
 	return is_soa(e) || is_turned(e, p);
 }
 
 /* How many samples are moved at a time. */
-static int room_of(const struct emission *e, const struct pass *p)
+static int room_of(const struct emission *e, const struct function *p)
 {
 	int room = group_of(e, p);
 
@@ -90,13 +90,13 @@ static const char *where_small(const struct emission *e)
 }
 
 /* Which argument says whether angles are small; -1: none is read. */
-static int angles_argument(const struct emission *e, const struct pass *p)
+static int angles_argument(const struct emission *e, const struct function *p)
 {
 	return emit_has_known(e) ? dag_find_role(&p->dag, ROLE_JOINT_POSITION, 0) : -1;
 }
 
 /* ` && ` whether these samples' angles are small. */
-static const char *and_small(const struct emission *e, const struct pass *p, const char *from)
+static const char *and_small(const struct emission *e, const struct function *p, const char *from)
 {
 	int q = angles_argument(e, p);
 	struct text t;
@@ -108,7 +108,7 @@ static const char *and_small(const struct emission *e, const struct pass *p, con
 }
 
 /* `, n`: how many samples a group is called with, where that may vary. */
-static const char *many_text(const struct emission *e, const struct pass *p, const char *many)
+static const char *many_text(const struct emission *e, const struct function *p, const char *many)
 {
 	struct text t;
 
@@ -118,7 +118,7 @@ static const char *many_text(const struct emission *e, const struct pass *p, con
 	return text_string(&t);
 }
 
-const char *emit_groups_at_sample(const struct emission *e, const struct pass *p)
+const char *emit_groups_at_sample(const struct emission *e, const struct function *p)
 {
 	struct text t;
 
@@ -133,10 +133,10 @@ const char *emit_groups_at_sample(const struct emission *e, const struct pass *p
 
 /* ---- a group ---- */
 
-static void put_group(const struct emission *e, const struct pass *p, struct text *out)
+static void put_group(const struct emission *e, const struct function *p, struct text *out)
 {
 	int is_short = plan_flops(plan_operations(&p->plan)) <= SHORT_FLOPS;
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"GROUP", emit_int(e, group_of(e, p))},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"GROUP", emit_int(e, group_of(e, p))},
 		{"WHERE_SMALL", where_small(e)}, {"VECTORS", is_short ? "RNEA_VECTORS " : ""}, {"LOOP", is_short ? "RNEA_LOOP" : "RNEA_ALONE"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
 		{"COUNT_PARAM", emit_groups_have_rows(e, p) ? "size_t count, " : ""}, {"AT_SAMPLE", emit_groups_at_sample(e, p)},
@@ -150,7 +150,7 @@ static void put_group(const struct emission *e, const struct pass *p, struct tex
 
 /* ---- samples that are moved ---- */
 
-static const char *few_arrays(const struct emission *e, const struct pass *p)
+static const char *few_arrays(const struct emission *e, const struct function *p)
 {
 	struct text t;
 
@@ -161,7 +161,7 @@ static const char *few_arrays(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-static const char *few_names(const struct emission *e, const struct pass *p)
+static const char *few_names(const struct emission *e, const struct function *p)
 {
 	struct text t;
 
@@ -171,7 +171,7 @@ static const char *few_names(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-static const char *moves(const struct emission *e, const struct pass *p, int of_outputs)
+static const char *moves(const struct emission *e, const struct function *p, int of_outputs)
 {
 	struct text t;
 
@@ -183,9 +183,9 @@ static const char *moves(const struct emission *e, const struct pass *p, int of_
 	return text_string(&t);
 }
 
-static void put_few(const struct emission *e, const struct pass *p, struct text *out)
+static void put_few(const struct emission *e, const struct function *p, struct text *out)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"GROUP", emit_int(e, group_of(e, p))},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"GROUP", emit_int(e, group_of(e, p))},
 		{"WHAT", is_soa(e) ? "Fewer samples than a group has" : "Some samples, turned to [row][sample]"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param(e)},
 		{"ARRAYS", few_arrays(e, p)}, {"FEW_NAMES", few_names(e, p)}, {"GATHER", moves(e, p, 0)}, {"SCATTER", moves(e, p, 1)},
@@ -198,8 +198,8 @@ void emit_groups_moves(const struct emission *e, struct text *out)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}};
 
-	for (int i = 0; i < e->pass_count; i++)
-		if (has_few(e, &e->passes[i]) && (is_soa(e) || is_turned(e, &e->passes[i]))) {
+	for (int i = 0; i < e->function_count; i++)
+		if (has_few(e, &e->functions[i]) && (is_soa(e) || is_turned(e, &e->functions[i]))) {
 			template_expand(out, is_soa(e) ? template_gather_in : template_gather_aos_in, slots, sizeof slots / sizeof *slots);
 			return;
 		}
@@ -207,7 +207,7 @@ void emit_groups_moves(const struct emission *e, struct text *out)
 
 /* ---- a part of a batch ---- */
 
-static const char *next_text(const struct emission *e, const struct pass *p)
+static const char *next_text(const struct emission *e, const struct function *p)
 {
 	int group = group_of(e, p);
 	struct text t;
@@ -221,10 +221,10 @@ static const char *next_text(const struct emission *e, const struct pass *p)
 }
 
 /* Some samples that fill groups. */
-static const char *whole_groups(const struct emission *e, const struct pass *p)
+static const char *whole_groups(const struct emission *e, const struct function *p)
 {
 	int q = angles_argument(e, p);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"COUNT", count_text(e)},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"COUNT", count_text(e)},
 		{"MANY", many_text(e, p, "next - first")}, {"Q", q >= 0 ? p->dag.arguments[q].name : ""},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}};
 	struct text t;
@@ -234,7 +234,7 @@ static const char *whole_groups(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-static const char *else_few(const struct emission *e, const struct pass *p)
+static const char *else_few(const struct emission *e, const struct function *p)
 {
 	struct text t;
 
@@ -245,14 +245,14 @@ static const char *else_few(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-static void put_part(const struct emission *e, const struct pass *p, struct text *out)
+static void put_part(const struct emission *e, const struct function *p, struct text *out)
 {
 	const char *group = emit_int(e, group_of(e, p));
 	struct text back;
 
 	text_init(&back, e->arena);
 	text_printf(&back, "end - %s", group);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"GROUP", group},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"GROUP", group},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param(e)}, {"COUNT", count_text(e)},
 		{"LAST_IS_SMALL", and_small(e, p, text_string(&back))}, {"IS_SMALL", and_small(e, p, "first")},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ONE_GROUP", many_text(e, p, group)}, {"ELSE_FEW", else_few(e, p)},
@@ -263,7 +263,7 @@ static void put_part(const struct emission *e, const struct pass *p, struct text
 	template_expand(out, is_turned(e, p) ? template_part_turned_in : template_part_in, slots, sizeof slots / sizeof *slots);
 }
 
-void emit_groups(const struct emission *e, const struct pass *p, struct text *out)
+void emit_groups(const struct emission *e, const struct function *p, struct text *out)
 {
 	put_group(e, p, out);
 	if (has_few(e, p) && emit_groups_have_rows(e, p))

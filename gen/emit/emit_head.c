@@ -249,20 +249,20 @@ static void put_conventions(const struct emission *e, struct text *out)
 	text_put(out, e->target->note);
 	if (!e->request->is_plain)
 		put_task(e, out);
-	for (int i = 0; i < e->pass_count; i++)
-		if (e->passes[i].algorithm->note)
-			text_printf(out, " * %s\n", e->passes[i].algorithm->note);
+	for (int i = 0; i < e->function_count; i++)
+		if (e->functions[i].algorithm->note)
+			text_printf(out, " * %s\n", e->functions[i].algorithm->note);
 	emit_legend(e, out);
 }
 
 static void put_relay(const struct emission *e, struct text *out)
 {
-	const char *name = e->options->name, *pass = emit_main(e)->algorithm->name;
+	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
 
 	text_printf(out, " * %s_%s_launch runs three kernels: %s_%s_start_kernel finds qdd,\n"
 		" * %s_%s_kernel leaves -d tau where the gradients belong,\n"
 		" * %s_%s_solve_kernel makes them of it by the factors of M; for 32 samples a block, warps: %d.\n",
-		name, pass, name, pass, name, pass, name, pass, e->relay->warps);
+		name, function, name, function, name, function, name, function, e->relay->warps);
 	if (e->relay->start_count)
 		text_printf(out, " * The grid of the first has %d blocks along y, each for limbs that share nothing with the others.\n",
 			e->relay->start_count);
@@ -270,32 +270,32 @@ static void put_relay(const struct emission *e, struct text *out)
 
 static void put_hands(const struct emission *e, struct text *out)
 {
-	const char *name = e->options->name, *pass = emit_main(e)->algorithm->name;
+	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
 	int levels = emit_hand_levels(e);
 
 	text_printf(out, " * %s_%s_launch runs %s kernels. %s_%s_hands_kernel, with %d blocks along y, writes the torques of hands,\n"
 		" * and into rows of the arms what the hands hand on; %s_%s_kernel reads that, and writes all other rows.\n",
-		name, pass, levels > 1 ? emit_int(e, levels + 1) : "two", name, pass, emit_hands_of(e, 0), name, pass);
+		name, function, levels > 1 ? emit_int(e, levels + 1) : "two", name, function, emit_hands_of(e, 0), name, function);
 	for (int level = 1; level < levels; level++)
-		text_printf(out, " * After the first, %s_%s_%s does so, with %d along y, for ends of long arms.\n", name, pass,
+		text_printf(out, " * After the first, %s_%s_%s does so, with %d along y, for ends of long arms.\n", name, function,
 			emit_hands_kernel(e, level), emit_hands_of(e, level));
 }
 
 static void put_limbs(const struct emission *e, const char *start, const struct limbs *s, struct text *out)
 {
-	const char *name = e->options->name, *pass = emit_main(e)->algorithm->name;
+	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
 
 	text_printf(out, " * Up to %u samples %s_%s_launch takes the kernel %s_%s_%slimbs, whose %d warps share out each sample.\n",
-		s->most, name, pass, name, pass, start, s->warps);
+		s->most, name, function, name, function, start, s->warps);
 }
 
-static const char *looped(const struct pass *p, const char *columns)
+static const char *looped(const struct function *p, const char *columns)
 {
 	return !dag_loops_go_back(&p->dag) ? columns
 		: p->dag.run_count ? "the coordinates beyond a link, and over columns" : "the coordinates beyond a link";
 }
 
-static void put_many(const struct pass *many, struct text *out)
+static void put_many(const struct function *many, struct text *out)
 {
 	const struct segments *s = &many->segments;
 
@@ -306,18 +306,18 @@ static void put_many(const struct pass *many, struct text *out)
 
 static void put_operations(const struct emission *e, struct text *out)
 {
-	for (int i = 0; i < e->pass_count; i++) {
-		struct operation_count n = i ? plan_operations(&e->passes[i].plan)
+	for (int i = 0; i < e->function_count; i++) {
+		struct operation_count n = i ? plan_operations(&e->functions[i].plan)
 			: emit_operations(e);
 
 		text_printf(out, " *   %s: %u mul, %u add, %u sub, %u neg, %u fma, %u sincos = %u flops\n",
-			e->passes[i].algorithm->name, n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
+			e->functions[i].algorithm->name, n.mul, n.add, n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
 		if (e->wide)
 			text_printf(out,
 				" *   %u of these flops in %s: the residual tau - ID(q, qd, qdd), by which the qdd found is refined\n", n.wide,
 				e->wide->arithmetic->name);
 	}
-	for (const struct pass *p = e->passes; p < e->passes + e->pass_count; p++)
+	for (const struct function *p = e->functions; p < e->functions + e->function_count; p++)
 		if (p->segments.count && !p->many && (emit_has_batches(e) || !p->single))
 			text_printf(out, " *   %s is in %d segments%s; %d values go across cuts\n", p->algorithm->name, p->segments.count,
 				emit_has_batches(e) ? ", each for several samples before the next" : "",

@@ -51,7 +51,7 @@ static void put_limbs(const struct emission *e, const char *key, const struct li
 }
 
 /* A function of the table: what it takes and gives, and what it costs. Only the first has matrices, stages or is in parts. */
-static void put_function(const struct emission *e, const struct pass *p, struct text *out)
+static void put_function(const struct emission *e, const struct function *p, struct text *out)
 {
 	int is_main = p == emit_main(e);
 	struct operation_count n = is_main ? emit_operations(e) : plan_operations(&p->plan);
@@ -124,8 +124,8 @@ static void put_info_lines(const struct emission *e, struct text *t)
 		text_printf(t, "joint %d %d %d %d %s ", j->iq, j->nq, j->iv, j->nv, joint_type_name(j->type));
 		emit_info_name(j->name, t);
 	}
-	for (int i = 0; i < e->pass_count; i++)
-		put_function(e, &e->passes[i], t);
+	for (int i = 0; i < e->function_count; i++)
+		put_function(e, &e->functions[i], t);
 }
 
 void emit_info(const struct emission *e, struct text *out)

@@ -15,15 +15,15 @@ int emit_names(const struct plan *p, const char *quantity)
 	return 0;
 }
 
-/* Those of the passes, and of the parts of the first. */
+/* Those of the functions, and of the parts of the first. */
 static const struct plan *plan_at(const struct emission *e, int i)
 {
-	return i < e->pass_count ? &e->passes[i].plan : &e->parts[i - e->pass_count].pass.plan;
+	return i < e->function_count ? &e->functions[i].plan : &e->parts[i - e->function_count].function.plan;
 }
 
 static int any_names(const struct emission *e, const char *quantity)
 {
-	for (int i = 0; i < e->pass_count + e->part_count; i++)
+	for (int i = 0; i < e->function_count + e->part_count; i++)
 		if (emit_names(plan_at(e, i), quantity))
 			return 1;
 	return 0;
@@ -33,7 +33,7 @@ typedef int is_there(const struct plan *p, size_t node);
 
 static int somewhere(const struct emission *e, is_there *test)
 {
-	for (int i = 0; i < e->pass_count + e->part_count; i++) {
+	for (int i = 0; i < e->function_count + e->part_count; i++) {
 		const struct plan *p = plan_at(e, i);
 
 		for (size_t k = 0; k < p->dag->count; k++)
@@ -152,26 +152,26 @@ static void put_quantities(const struct emission *e, struct text *out)
 		put_entry("..._2 ..._3", "the same quantity again, as it grows or in another part of the text", out);
 }
 
-static int has_period(const struct pass *p)
+static int has_period(const struct function *p)
 {
 	return p->stretches && p->stretches->period;
 }
 
-static int has_gap(const struct pass *p)
+static int has_gap(const struct function *p)
 {
 	return tiles_rows(p) && tiles_rows(p)->gap;
 }
 
-static int has_part(const struct emission *e, int (*is)(const struct pass *p))
+static int has_part(const struct emission *e, int (*is)(const struct function *p))
 {
 	for (int i = 0; i < e->part_count; i++)
-		if (is(&e->parts[i].pass))
+		if (is(&e->parts[i].function))
 			return 1;
 	return 0;
 }
 
 /* Loops on a processor. */
-static void put_columns(const struct pass *p, struct text *out)
+static void put_columns(const struct function *p, struct text *out)
 {
 	if (p->single && dag_loops_go_back(&p->single->dag)) {
 		put_entry("carried column", "what coordinates carry on their way back to the base; that of the first of them", out);

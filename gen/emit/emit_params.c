@@ -86,7 +86,7 @@ static void put_declaration(const struct emission *e, const struct argument *a, 
 		text_printf(out, "%s%s *%s%s", a->is_output ? "" : "const ", e->memory->type, qualifier, a->name);
 }
 
-static void put_argument(const struct emission *e, const struct pass *p, int i, enum params kind, struct text *out)
+static void put_argument(const struct emission *e, const struct function *p, int i, enum params kind, struct text *out)
 {
 	const struct argument *a = &p->dag.arguments[i];
 
@@ -108,7 +108,7 @@ static void put_argument(const struct emission *e, const struct pass *p, int i, 
 	}
 }
 
-const char *emit_params(const struct emission *e, const struct pass *p, enum params kind)
+const char *emit_params(const struct emission *e, const struct function *p, enum params kind)
 {
 	struct text t;
 
@@ -129,7 +129,7 @@ const char *emit_q_at_sample(const struct emission *e)
 	return text_string(&t);
 }
 
-const char *emit_at_sample(const struct emission *e, const struct pass *p)
+const char *emit_at_sample(const struct emission *e, const struct function *p)
 {
 	struct text t;
 

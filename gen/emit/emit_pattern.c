@@ -232,9 +232,9 @@ static const struct dag *stored_by(const struct emission *e)
 	return e->relay ? &e->relay->between.dag : &emit_main(e)->dag;
 }
 
-int emit_has_zeros(const struct emission *e, const struct pass *p)
+int emit_has_zeros(const struct emission *e, const struct function *p)
 {
-	int is_further = (p > emit_main(e) && p < e->passes + e->pass_count) || emit_is_relays(e, p);
+	int is_further = (p > emit_main(e) && p < e->functions + e->function_count) || emit_is_relays(e, p);
 
 	/* parts that share nothing have no loops, and store theirs one by one */
 	return emit_is_streamed(e) && !is_further && !emit_is_apart(e) && !emit_main(e)->segments.count &&
@@ -254,7 +254,7 @@ static int has_zero_stores(const struct plan *p)
 	return 0;
 }
 
-const char *emit_zeros_unless(const struct emission *e, const struct pass *p, int is_beside)
+const char *emit_zeros_unless(const struct emission *e, const struct function *p, int is_beside)
 {
 	struct text t;
 

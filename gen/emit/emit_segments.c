@@ -1,4 +1,4 @@
-/* Functions of passes in segments: a body for each, a loop over some samples for each, and what calls them. */
+/* Functions in segments: a body for each segment, a loop over some samples for each, and what calls them. */
 #include "base/fold.h"
 #include "base/template.h"
 #include "emit/columns/emit_columns.h"
@@ -61,7 +61,7 @@ static void put_form(const struct across *x, enum across_form form, int lanes, s
 	}
 }
 
-/* The type of a pass's other numbers. */
+/* The type of a function's other numbers. */
 static const char *wide_value(const struct emission *e)
 {
 	return emit_wide(e) ? emit_wide(e)->value : "";
@@ -101,7 +101,7 @@ struct touched emit_touched(const struct plan *p)
 }
 
 /* Parameters that it does not touch. */
-static void put_unused(const struct emission *e, const struct pass *p, const struct plan *lines, const struct touched *t,
+static void put_unused(const struct emission *e, const struct function *p, const struct plan *lines, const struct touched *t,
 	struct text *out)
 {
 	emit_unused(e, lines, "first_", out);
@@ -111,7 +111,7 @@ static void put_unused(const struct emission *e, const struct pass *p, const str
 }
 
 /* This lane's place in the arrays. */
-static void put_lane(const struct emission *e, const struct pass *p, const struct touched *t, struct text *out)
+static void put_lane(const struct emission *e, const struct function *p, const struct touched *t, struct text *out)
 {
 	for (int i = 0; i < p->dag.argument_count; i++) {
 		const struct argument *a = &p->dag.arguments[i];
@@ -131,7 +131,7 @@ static void put_lane(const struct emission *e, const struct pass *p, const struc
 }
 
 /* Statements are made in `spare` before they are indented. */
-static void put_segment(const struct emission *e, const struct pass *p, int k, struct writer *w, struct text *spare,
+static void put_segment(const struct emission *e, const struct function *p, int k, struct writer *w, struct text *spare,
 	struct text *out)
 {
 	const struct segments *s = &p->segments;
@@ -142,7 +142,7 @@ static void put_segment(const struct emission *e, const struct pass *p, int k, s
 	put_unused(e, p, &s->plans[k], &touched, &begin);
 	text_put(&begin, emit_has_known(e) ? "\tint all_small = 1;\n" : "");
 	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
+		{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 		{"COUNT", emit_int(e, s->count)}, {"FIRST_PARAMS", emit_params(e, p, PARAMS_FIRST)},
 		{"ACROSS_PARAMS", emit_across(e, s, ACROSS_FIRST)}, {"KNOWN_PARAM", emit_known_params(e)},
 		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"BEGIN", text_string(&begin)},
@@ -161,7 +161,7 @@ static void put_segment(const struct emission *e, const struct pass *p, int k, s
 	template_expand(out, rest, slots, count);
 }
 
-static void put_segments(const struct emission *e, const struct pass *p, struct text *out)
+static void put_segments(const struct emission *e, const struct function *p, struct text *out)
 {
 	struct text spare;
 	struct writer w;
@@ -176,24 +176,24 @@ static void put_segments(const struct emission *e, const struct pass *p, struct 
 }
 
 /* What a batch runs. */
-static const struct pass *many_of(const struct pass *p)
+static const struct function *many_of(const struct function *p)
 {
 	return p->many ? p->many : p;
 }
 
 /* What one sample runs where there are vectors; NULL: nothing of its own. */
-static const struct pass *lanes_of(const struct pass *p)
+static const struct function *lanes_of(const struct function *p)
 {
 	return p->lanes_in_batches ? p->beside : NULL;
 }
 
 /* What a call of one sample runs. */
-static const struct pass *single_of(const struct pass *p)
+static const struct function *single_of(const struct function *p)
 {
 	return p->single ? p->single : p;
 }
 
-void emit_segments(const struct emission *e, const struct pass *p, struct text *out)
+void emit_segments(const struct emission *e, const struct function *p, struct text *out)
 {
 	int has_own = p->single || !emit_has_batches(e);
 
@@ -209,17 +209,17 @@ void emit_segments(const struct emission *e, const struct pass *p, struct text *
 	text_put(out, lanes_of(p) ? "#endif\n" : "");
 }
 
-const struct pass *emit_lanes_alone(const struct pass *p)
+const struct function *emit_lanes_alone(const struct function *p)
 {
 	return p->lanes_in_batches ? NULL : p->beside;
 }
 
-int emit_lanes_instead(const struct emission *e, const struct pass *p)
+int emit_lanes_instead(const struct emission *e, const struct function *p)
 {
 	return emit_lanes_alone(p) && !emit_has_batches(e);
 }
 
-void emit_lanes_call_bodies(const struct emission *e, const struct pass *p, struct text *out)
+void emit_lanes_call_bodies(const struct emission *e, const struct function *p, struct text *out)
 {
 	if (!emit_lanes_alone(p))
 		return;
@@ -230,10 +230,10 @@ void emit_lanes_call_bodies(const struct emission *e, const struct pass *p, stru
 
 /* ---- batches ---- */
 
-static void put_lanes_function(const struct emission *e, const struct pass *p, int k, struct text *out)
+static void put_lanes_function(const struct emission *e, const struct function *p, int k, struct text *out)
 {
 	const struct segments *s = &p->segments;
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 		{"LANES", emit_int(e, emit_lanes(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
 		{"COUNT_PARAM", emit_groups_have_rows(e, p) ? "size_t count, " : ""},
 		{"RESTRICT_ACROSS", emit_across(e, s, ACROSS_RESTRICT)}, {"AT_SAMPLE", emit_groups_at_sample(e, p)},
@@ -242,10 +242,10 @@ static void put_lanes_function(const struct emission *e, const struct pass *p, i
 	template_expand(out, template_segment_lanes_in, slots, sizeof slots / sizeof *slots);
 }
 
-static void put_one_function(const struct emission *e, const struct pass *p, int k, struct text *out)
+static void put_one_function(const struct emission *e, const struct function *p, int k, struct text *out)
 {
 	const struct segments *s = &p->segments;
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
 		{"KNOWN", emit_handed_on(e, emit_known_names(e))}, {"KNOWN_PARAM", emit_known_params(e)},
 		{"ACROSS_PARAMS", emit_across(e, s, ACROSS_PARAMETER)}, {"ACROSS_NAMES", emit_across(e, s, ACROSS_NAME)}};
@@ -253,7 +253,7 @@ static void put_one_function(const struct emission *e, const struct pass *p, int
 	template_expand(out, template_segment_one_in, slots, sizeof slots / sizeof *slots);
 }
 
-static void put_one_functions(const struct emission *e, const struct pass *p, struct text *out)
+static void put_one_functions(const struct emission *e, const struct function *p, struct text *out)
 {
 	for (int k = 0; k < p->segments.count; k++)
 		if (!emit_is_loop(p, k))
@@ -261,7 +261,7 @@ static void put_one_functions(const struct emission *e, const struct pass *p, st
 }
 
 /* Of batches. */
-static const char *many_functions(const struct emission *e, const struct pass *p)
+static const char *many_functions(const struct emission *e, const struct function *p)
 {
 	struct text t;
 
@@ -274,7 +274,7 @@ static const char *many_functions(const struct emission *e, const struct pass *p
 }
 
 /* Of one sample. */
-static const char *one_functions(const struct emission *e, const struct pass *p)
+static const char *one_functions(const struct emission *e, const struct function *p)
 {
 	struct text t;
 
@@ -289,14 +289,14 @@ static const char *one_functions(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-static void put_call(const struct emission *e, const struct pass *p, int k, const char *indent, const char *what,
+static void put_call(const struct emission *e, const struct function *p, int k, const char *indent, const char *what,
 	const char *where, const char *more, struct text *out)
 {
 	text_printf(out, "%s%s_%s_%s%d(%s, %s, %s%s);\n", indent, e->options->name, p->algorithm->name, what, k,
 		emit_params(e, p, PARAMS_NAMES), where, emit_across(e, &p->segments, ACROSS_NAME), more);
 }
 
-static const char *lanes_calls(const struct emission *e, const struct pass *p)
+static const char *lanes_calls(const struct emission *e, const struct function *p)
 {
 	struct text t;
 
@@ -310,7 +310,7 @@ static const char *lanes_calls(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-static const char *one_calls(const struct emission *e, const struct pass *p)
+static const char *one_calls(const struct emission *e, const struct function *p)
 {
 	struct text t;
 
@@ -324,13 +324,13 @@ static const char *one_calls(const struct emission *e, const struct pass *p)
 }
 
 /* One sample's body. */
-static void put_one_body(const struct emission *e, const struct pass *p, struct text *out)
+static void put_one_body(const struct emission *e, const struct function *p, struct text *out)
 {
 	text_printf(out, "%s\n%s\n%s", emit_across(e, &p->segments, ACROSS_LOCAL), emit_columns_declaration(e, p), one_calls(e, p));
 }
 
 /* As it is, or in lanes where there are such. */
-static const char *one_body(const struct emission *e, const struct pass *p)
+static const char *one_body(const struct emission *e, const struct function *p)
 {
 	struct text t;
 
@@ -345,9 +345,9 @@ static const char *one_body(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-void emit_lanes_call(const struct emission *e, const struct pass *of, struct text *out)
+void emit_lanes_call(const struct emission *e, const struct function *of, struct text *out)
 {
-	const struct pass *p = emit_lanes_alone(of);
+	const struct function *p = emit_lanes_alone(of);
 	struct text functions, body;
 
 	if (!p)
@@ -356,7 +356,7 @@ void emit_lanes_call(const struct emission *e, const struct pass *of, struct tex
 	text_init(&body, e->arena);
 	put_one_functions(e, p, &functions);
 	put_one_body(e, p, &body);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"CALL_ANY", emit_call_any(e, p)},
 		{"INLINE", e->target->has_batches ? "" : "inline "},
 		{"FUNCTIONS", text_string(&functions)}, {"ONE_BODY", text_string(&body)}};
@@ -364,9 +364,9 @@ void emit_lanes_call(const struct emission *e, const struct pass *of, struct tex
 	template_expand(out, template_lanes_call_in, slots, sizeof slots / sizeof *slots);
 }
 
-void emit_segments_one(const struct emission *e, const struct pass *p, struct text *out)
+void emit_segments_one(const struct emission *e, const struct function *p, struct text *out)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"MANY", emit_has_batches(e) ? many_functions(e, many_of(p)) : ""}, {"FUNCTIONS", one_functions(e, p)},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)},
 		{"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""}, {"CALL_ANY", emit_call_any(e, p)},
@@ -377,9 +377,9 @@ void emit_segments_one(const struct emission *e, const struct pass *p, struct te
 	text_put(out, emit_lanes_instead(e, p) ? "#endif\n" : "");
 }
 
-void emit_segments_group(const struct emission *e, const struct pass *p, const char *where_small, struct text *out)
+void emit_segments_group(const struct emission *e, const struct function *p, const char *where_small, struct text *out)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"GROUP", emit_int(e, emit_lanes(e, &many_of(p)->segments))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
 		{"WHERE_SMALL", where_small}, {"COUNT_PARAM", emit_groups_have_rows(e, p) ? "size_t count, " : ""},
 		{"CALLS", lanes_calls(e, many_of(p))}, {"DECLARATIONS", emit_columns_many_declarations(e, many_of(p))}};
@@ -387,7 +387,7 @@ void emit_segments_group(const struct emission *e, const struct pass *p, const c
 	template_expand(out, template_group_segments_in, slots, sizeof slots / sizeof *slots);
 }
 
-int emit_segments_lanes(const struct emission *e, const struct pass *p)
+int emit_segments_lanes(const struct emission *e, const struct function *p)
 {
 	return emit_lanes(e, &many_of(p)->segments);
 }

@@ -86,9 +86,9 @@ static int put_reciprocal(const struct unparser *u, const struct node *n, struct
 
 static void put_reciprocals(const struct emission *e, struct text *out)
 {
-	for (int i = 0; i < e->pass_count; i++)
-		for (size_t k = 0; k < e->passes[i].dag.count; k++)
-			if (is_reciprocal(e, &e->passes[i].dag, &e->passes[i].dag.nodes[k])) {
+	for (int i = 0; i < e->function_count; i++)
+		for (size_t k = 0; k < e->functions[i].dag.count; k++)
+			if (is_reciprocal(e, &e->functions[i].dag, &e->functions[i].dag.nodes[k])) {
 				text_put(out, template_reciprocal_in);
 				return;
 			}

@@ -24,7 +24,7 @@ void emit_set_precision(struct emission *e)
 	e->numbers = number_type_of(e->options->precision);
 	if (e->request && e->request->refine_steps)
 		e->wide = wide[e->request->refine];
-	if (e->passes && emit_main(e)->beside)
+	if (e->functions && emit_main(e)->beside)
 		e->lanes = e->options->precision == RNEAGEN_F32 ? &LANES_F32 : &LANES_F64;
 	e->memory = e->numbers->memory;
 	e->arithmetic = e->numbers->arithmetic;

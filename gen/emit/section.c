@@ -82,7 +82,7 @@ static int is_at_rest(const struct dag *d, const struct section *s)
 	return 0;
 }
 
-static void put_out(const struct pass *p, enum kind_of_joint joint, int rests, struct text *out)
+static void put_out(const struct function *p, enum kind_of_joint joint, int rests, struct text *out)
 {
 	if (dag_find_role(&p->dag, ROLE_BODY_WRENCHES, 0) >= 0) {
 		text_put(out, "f, n = what fpass wrote, in the link's frame here");
@@ -111,7 +111,7 @@ static void put_formula(struct unparser *u, const struct section *s, struct text
 	*written |= (unsigned char)(1 << rests);
 	text_put(out, "\t/* ");
 	if (s->kind == SECTION_OUT)
-		put_out(u->pass, joint, rests, out);
+		put_out(u->function, joint, rests, out);
 	else if (s->kind == SECTION_BACK)
 		text_printf(out, "%s%s", rests ? REST_BACK : BACK, TORQUE[joint]);
 	else
@@ -143,19 +143,19 @@ static const char *const ABOUT_LINKS[SECTION_COUNT] = {[SECTION_PLACE] = "place 
 	[SECTION_JACOBIAN] = "Jacobian of what is on", [SECTION_SUBTREE] = "back from", [SECTION_OPSPACE] = "inertia felt on"};
 
 /* Columns behind coordinates that go back in loops are solved without factors. */
-static const char *title_of(const struct pass *pass, const struct section *s)
+static const char *title_of(const struct function *function, const struct section *s)
 {
-	return s->kind == SECTION_COLUMNS && dag_loops_go_back(&pass->dag)
+	return s->kind == SECTION_COLUMNS && dag_loops_go_back(&function->dag)
 		? "a column of the derivatives of qdd, from -d ID, by articulated bodies" : SECTION_TITLES[s->kind];
 }
 
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
-static void put_title(const struct emission *e, const struct pass *pass, const struct section *s, struct text *out)
+static void put_title(const struct emission *e, const struct function *function, const struct section *s, struct text *out)
 {
 	const struct body *k = &e->tree->bodies[s->body];
 
 	if (SECTION_TITLES[s->kind]) {
-		text_printf(out, "\n\t/* ---- %s ---- */\n", title_of(pass, s));
+		text_printf(out, "\n\t/* ---- %s ---- */\n", title_of(function, s));
 		return;
 	}
 	if (ABOUT[s->kind]) {
@@ -174,7 +174,7 @@ static void put_title(const struct emission *e, const struct pass *pass, const s
 	text_put_comment(out, k->link);
 	text_putc(out, '"');
 	if (s->kind == SECTION_OUT) {
-		text_put(out, dag_find_role(&pass->dag, ROLE_BODY_WRENCHES, 0) >= 0 ? "" : " (fpass)");
+		text_put(out, dag_find_role(&function->dag, ROLE_BODY_WRENCHES, 0) >= 0 ? "" : " (fpass)");
 	} else {
 		if (k->parent < 0)
 			text_put(out, " to the world (bpass)");
@@ -204,7 +204,7 @@ void unparse_section(struct unparser *u, const struct section *s, struct text *o
 		return;
 	for (const struct section *x = first + u->sections; x <= s; x++)
 		if (x == s || begins_tour(x)) {
-			put_title(u->emission, u->pass, x, out);
+			put_title(u->emission, u->function, x, out);
 			put_formula(u, x, out);
 		}
 	u->sections = (size_t)(s - first) + 1;

@@ -125,7 +125,7 @@ void unparse_load(const struct unparser *u, const struct node *n, struct text *o
 	text_put(out, dag_reading_of(n) ? "RNEA_READ_ANEW(" : "");
 	if (dag_loop_of(n))
 		unparse_element_each(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
-	else if (u->pass->stretches && u->plan->dag->arguments[n->arg[0].i].is_output)
+	else if (u->function->stretches && u->plan->dag->arguments[n->arg[0].i].is_output)
 		unparse_index("handed", n->arg[1].i, "step", out);
 	else
 		unparse_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
@@ -149,7 +149,7 @@ void unparse_angle(const struct unparser *u, struct ref a, struct text *out)
 /* `, known, sines + 2`: where sine and cosine stand if they are known. */
 static void put_known(const struct unparser *u, struct ref angle, struct text *out)
 {
-	int place = angles_place(&u->sines, u->plan->dag, angle, u->pass->loops, 0);
+	int place = angles_place(&u->sines, u->plan->dag, angle, u->function->loops, 0);
 
 	text_printf(out, ", known, sines%s", u == u->wide ? "_wide" : "");
 	if (place > 0)
@@ -183,7 +183,7 @@ static void put_sincos(const struct unparser *u, struct ref a, struct text *out)
 /* The slot of an output in a window; -1: it has none. */
 static int slot_of(const struct unparser *u, size_t output)
 {
-	const struct windows *w = &u->pass->windows;
+	const struct windows *w = &u->function->windows;
 
 	return w->slots && !u->numbers->is_beside ? w->slot[output] : -1;
 }
@@ -286,8 +286,8 @@ static int is_silent(const struct unparser *u, const struct line *l)
 /* What must leave before a slot is taken again. */
 static void put_flush_before(const struct unparser *u, const struct line *l, struct text *out)
 {
-	if (l->kind == LINE_STORE && slot_of(u, l->index) >= 0 && u->pass->windows.before[l->index])
-		emit_put_flush(u->emission, u->pass, u->pass->windows.before[l->index] - 1, out);
+	if (l->kind == LINE_STORE && slot_of(u, l->index) >= 0 && u->function->windows.before[l->index])
+		emit_put_flush(u->emission, u->function, u->function->windows.before[l->index] - 1, out);
 }
 
 static void put_whole_line(struct unparser *u, const struct line *l, struct text *out)
@@ -316,23 +316,23 @@ static void put_line(struct unparser *u, const struct line *l, struct text *out)
 	fold(out, from);
 }
 
-struct unparser unparse_new(const struct emission *e, const struct pass *pass, const struct number_type *numbers)
+struct unparser unparse_new(const struct emission *e, const struct function *function, const struct number_type *numbers)
 {
-	return (struct unparser){.emission = e, .pass = pass, .plan = &pass->plan, .numbers = numbers,
+	return (struct unparser){.emission = e, .function = function, .plan = &function->plan, .numbers = numbers,
 		.calls = e->options->strict ? numbers->strict_calls : numbers->calls};
 }
 
-void unparse_begin(struct writer *w, const struct emission *e, const struct pass *pass, const struct number_type *numbers)
+void unparse_begin(struct writer *w, const struct emission *e, const struct function *function, const struct number_type *numbers)
 {
 	const struct number_type *wide = emit_wide(e);
 
-	w->own = unparse_new(e, pass, numbers);
-	w->wide = unparse_new(e, pass, wide ? wide : numbers);
+	w->own = unparse_new(e, function, numbers);
+	w->wide = unparse_new(e, function, wide ? wide : numbers);
 	w->own.narrow = w->wide.narrow = &w->own;
 	w->own.wide = w->wide.wide = wide ? &w->wide : NULL;
 	if (emit_has_known(e)) {
-		w->own.sines = emit_angles(e, pass, 0);
-		w->wide.sines = emit_angles(e, pass, 1);
+		w->own.sines = emit_angles(e, function, 0);
+		w->wide.sines = emit_angles(e, function, 1);
 	}
 }
 
@@ -351,24 +351,24 @@ void unparse_lines(struct writer *w, const struct plan *p, struct text *out)
 	emit_each_before(&w->own, p, p->line_count, out);
 }
 
-void unparse(const struct emission *e, const struct pass *pass, const struct number_type *numbers, struct numbers *table,
+void unparse(const struct emission *e, const struct function *function, const struct number_type *numbers, struct numbers *table,
 	struct text *out)
 {
-	const char *unless = emit_zeros_unless(e, pass, numbers->is_beside);
+	const char *unless = emit_zeros_unless(e, function, numbers->is_beside);
 	struct writer w;
 
-	unparse_begin(&w, e, pass, numbers);
-	unparse_within(&w, &pass->plan);
+	unparse_begin(&w, e, function, numbers);
+	unparse_within(&w, &function->plan);
 	w.own.table = table;
 	w.own.zeros = unless ? ZEROS_LEFT : ZEROS_AMONG;
-	w.own.has_inner = tiles_are_inputs(pass);
-	unparse_lines(&w, &pass->plan, out);
-	if (pass->windows.slots && !numbers->is_beside)
-		emit_put_flush(e, pass, pass->windows.flush_count - 1, out);
+	w.own.has_inner = tiles_are_inputs(function);
+	unparse_lines(&w, &function->plan, out);
+	if (function->windows.slots && !numbers->is_beside)
+		emit_put_flush(e, function, function->windows.flush_count - 1, out);
 	if (!unless)
 		return;
 	w.own.zeros = ZEROS_ALONE;
 	text_printf(out, "#if %s\n", unless);
-	unparse_lines(&w, &pass->plan, out);
+	unparse_lines(&w, &function->plan, out);
 	text_put(out, "#endif\n");
 }

@@ -26,7 +26,7 @@ static void put_divided(const struct stretches *s, const char *array, int row, s
 static void put_row(const struct unparser *u, const char *array, int argument, int row, struct text *out)
 {
 	int is_inner = u->has_inner && !u->plan->dag->arguments[argument].is_output;
-	const struct stretches *s = is_inner ? u->pass->tiles : u->has_inner ? NULL : u->pass->stretches;
+	const struct stretches *s = is_inner ? u->function->tiles : u->has_inner ? NULL : u->function->stretches;
 	const char *step = is_inner ? "inner" : "stride";
 
 	if (emit_is_carried(u->plan->dag, argument))

@@ -162,7 +162,7 @@ static void copy_all(const struct orderer *x, struct dag *out, struct ref *map)
 	out->is_wide = 0;
 }
 
-static int takes_over(const struct orderer *x, struct pass *p, struct arena *a, struct arena *spare)
+static int takes_over(const struct orderer *x, struct function *p, struct arena *a, struct arena *spare)
 {
 	struct ref *map = arena_alloc(spare, p->dag.count, sizeof *map);
 	struct dag out;
@@ -192,7 +192,7 @@ static int takes(struct waiting w, struct waiting own, size_t room, const struct
 	return is_acceleration(k) ? is_better_for_accelerations(w, own, room) : is_better(w, own, room);
 }
 
-int plan_order(struct pass *p, const struct tree *t, const struct request *k, const struct rneagen_options *o,
+int plan_order(struct function *p, const struct tree *t, const struct request *k, const struct rneagen_options *o,
 	enum plan_ordered what, struct arena *a)
 {
 	struct orderer x = {.p = &p->plan, .t = t};

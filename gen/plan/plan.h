@@ -48,7 +48,7 @@ struct limbs {
 	struct angles first; /* whose sines all threads make before the first phase, by their rows; none: a warp makes those that it takes */
 	unsigned longest, whole; /* operations of the longest warp, the phases after each other, and of the whole plan */
 	unsigned sum;       /* of all warps */
-	/* of the kernel, whose passes have the same */
+	/* of the kernel, whose functions have the same */
 	int words;      /* of a sample in shared memory: what goes across, and then sines that are made first */
 	int groups;     /* of 32 samples, in a block at most */
 	unsigned most;  /* samples of a batch up to which it is launched */
@@ -88,21 +88,21 @@ struct each {
 };
 
 /* One generated function on its way to text. */
-struct pass {
+struct function {
 	const struct algorithm *algorithm;
 	struct dag dag; /* fused */
 	struct plan plan;
 	struct segments segments;
 	struct windows windows;
 	struct limbs limbs;
-	const struct pass *each;   /* of a part of a kernel: the same with loops over alike limbs, which its text then has; NULL: none */
-	const struct each *loops;  /* of such a pass */
+	const struct function *each;   /* of a part of a kernel: the same with loops over alike limbs, which its text then has; NULL: none */
+	const struct each *loops;  /* of such a function */
 	const struct stretches *stretches; /* of a part that shares nothing with the others (grid/apart.h): its rows; NULL: it may */
 	const struct stretches *tiles;     /* what a kernel of large batches moves by tensor maps (tiles/tiles.h); NULL: it has none */
-	const struct pass *beside; /* target C: what a call for one sample runs, in lanes (lanes/lanes.h), where compilers have vectors */
+	const struct function *beside; /* target C: what a call for one sample runs, in lanes (lanes/lanes.h), where compilers have vectors */
 	int lanes_in_batches;      /* so does what a batch leaves over: nothing promises its bits */
-	const struct pass *single; /* target C: in segments too, and what a call for one sample runs instead; NULL: nothing else */
-	const struct pass *many;   /* the same for batches */
+	const struct function *single; /* target C: in segments too, and what a call for one sample runs instead; NULL: nothing else */
+	const struct function *many;   /* the same for batches */
 	const struct output *zeros; /* zero_count of them: outputs of `many` that are always zero, and of no line */
 	size_t zero_count;
 };
@@ -115,13 +115,13 @@ struct operation_count {
 /* The DAG must be fused. Returns 0 when memory runs out. */
 int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a);
 
-/* What is put into another order: a pass, a part that shares nothing with others, or what has loops over limbs, which takes any
+/* What is put into another order: a function, a part that shares nothing with others, or what has loops over limbs, which takes any
    order in which rows are written late. */
 enum plan_ordered { ORDERED_WHOLE, ORDERED_PART, ORDERED_LOOPS };
 
-/* Puts the DAG of a pass, and its plan, into an order in which fewer values wait, where it finds one (order.c). Returns 0 when memory
+/* Puts the DAG of a function, and its plan, into an order in which fewer values wait, where it finds one (order.c). Returns 0 when memory
    runs out. */
-int plan_order(struct pass *p, const struct tree *t, const struct request *k, const struct rneagen_options *o,
+int plan_order(struct function *p, const struct tree *t, const struct request *k, const struct rneagen_options *o,
 	enum plan_ordered what, struct arena *a);
 
 /* The node that holds the sine (op OP_SIN) or cosine (OP_COS) of the same angle; node 0 if nobody needs it. */

@@ -56,7 +56,7 @@ static int is_cut_in_aos(unsigned flops, const struct request *k, const struct r
 }
 
 static struct segment_limits kernel_limits(
-	const struct pass *p, unsigned flops, const struct request *k, const struct rneagen_options *o)
+	const struct function *p, unsigned flops, const struct request *k, const struct rneagen_options *o)
 {
 	struct segment_limits none = {0};
 	int is_single = o->precision == RNEAGEN_F32;
@@ -77,7 +77,7 @@ static struct segment_limits kernel_limits(
 }
 
 static struct segment_limits limits_for(
-	const struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o)
+	const struct function *p, enum segment_use use, const struct request *k, const struct rneagen_options *o)
 {
 	unsigned flops = plan_flops(plan_operations(&p->plan));
 	struct segment_limits asked = {(unsigned)o->segments, 0, UINT_MAX};
@@ -91,13 +91,13 @@ static struct segment_limits limits_for(
 
 /* Accelerations alone take 0.95 of the time for g1_29dof, but 1.03 for arms. A batch's columns of their derivatives, each
    solved in lines of its own, gain nothing, and gcc takes up to 1.8 times as long. */
-static int is_early(const struct pass *p, enum segment_use use, const struct request *k)
+static int is_early(const struct function *p, enum segment_use use, const struct request *k)
 {
 	return use == SEGMENT_AGAIN ? p->dag.loop_count > 0 || !k->is_forward : use == SEGMENT_LOOPS && !k->is_forward;
 }
 
 int segments_choose(
-	struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o, struct arena *a)
+	struct function *p, enum segment_use use, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
 	struct segment_limits limits;
 	struct plan early = p->plan;
@@ -126,7 +126,7 @@ int segments_may_differ(const struct rneagen_options *o)
 
 /* Outputs that are always zero are stored in a loop: among lines a compiler looks at each beside all others. Those of loops, and
    of what they read, stay. */
-static int take_zeros(struct pass *s, struct arena *a)
+static int take_zeros(struct function *s, struct arena *a)
 {
 	struct output *zeros = arena_alloc(a, s->dag.output_count, sizeof *zeros);
 
@@ -142,7 +142,7 @@ static int take_zeros(struct pass *s, struct arena *a)
 }
 
 /* Its lines; *is_built where `build` serves. 0 when memory runs out, or there are too many runs of columns. */
-static int make_lines(struct pass *s, const struct pass *p, segments_build *build, const struct request *k, struct arena *a,
+static int make_lines(struct function *s, const struct function *p, segments_build *build, const struct request *k, struct arena *a,
 	int *is_built)
 {
 	struct arena spare;
@@ -161,11 +161,11 @@ static int make_lines(struct pass *s, const struct pass *p, segments_build *buil
 	return !*is_built || (!s->dag.failed && plan_build(&s->plan, &s->dag, p->plan.tree, a));
 }
 
-int segments_once_more(struct pass **made, const struct pass *p, segments_build *build, const char *name, const struct request *k,
+int segments_once_more(struct function **made, const struct function *p, segments_build *build, const char *name, const struct request *k,
 	const struct rneagen_options *o, struct arena *a)
 {
 	struct algorithm *x = arena_alloc(a, 1, sizeof *x);
-	struct pass *s = arena_alloc(a, 1, sizeof *s);
+	struct function *s = arena_alloc(a, 1, sizeof *s);
 	int is_built;
 
 	*made = NULL;
@@ -181,19 +181,19 @@ int segments_once_more(struct pass **made, const struct pass *p, segments_build 
 	return 1;
 }
 
-static int build_back(struct dag *d, const struct pass *p, const struct request *k)
+static int build_back(struct dag *d, const struct function *p, const struct request *k)
 {
 	return algorithm_build_way_back(d, p->plan.tree, k, 0);
 }
 
-static int build_looped(struct dag *d, const struct pass *p, const struct request *k)
+static int build_looped(struct dag *d, const struct function *p, const struct request *k)
 {
 	return algorithm_build_looped(d, p->plan.tree, k, LOOPED_SINGLE);
 }
 
 /* A loop's body is told what goes across, and its column; so it must read some of these values, and no input, and leave none for
    another one. */
-static int is_closed(const struct pass *s)
+static int is_closed(const struct function *s)
 {
 	for (int k = s->segments.count - s->dag.loop_count; k < s->segments.count; k++) {
 		const struct plan *lines = &s->segments.plans[k];
@@ -209,10 +209,10 @@ static int is_closed(const struct pass *s)
 	return 1;
 }
 
-int segments_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
+int segments_single(struct function *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
 	static segments_build *const builds[] = {build_back, build_looped};
-	struct pass *s;
+	struct function *s;
 
 	for (int i = 0; i < 2 && p->segments.count && segments_may_differ(o) && !p->single; i++) {
 		if (!segments_once_more(&s, p, builds[i], k->is_forward ? "fd_single" : "rnea_single", k, o, a))
@@ -230,7 +230,7 @@ int segments_single(struct pass *p, const struct request *k, const struct rneage
    1.06; 96, 38. */
 enum { MANY_LEAST = 60000, MANY_LEAST_AOS = 100000 };
 
-static int build_many(struct dag *d, const struct pass *p, const struct request *k)
+static int build_many(struct dag *d, const struct function *p, const struct request *k)
 {
 	return dag_loops_go_back(&p->single->dag) ? algorithm_build_way_back(d, p->plan.tree, k, 1)
 		: algorithm_build_looped(d, p->plan.tree, k, LOOPED_BATCH);
@@ -246,10 +246,10 @@ static int is_even(const struct dag *d)
 	return 1;
 }
 
-int segments_many(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
+int segments_many(struct function *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
 	unsigned least = o->layout == RNEAGEN_SOA ? MANY_LEAST : MANY_LEAST_AOS;
-	struct pass *s;
+	struct function *s;
 
 	if (!p->single || (!dag_loops_go_back(&p->single->dag) && plan_flops(plan_operations(&p->plan)) < least))
 		return !a->failed;

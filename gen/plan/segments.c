@@ -325,7 +325,7 @@ int segments_make(struct segments *s, const struct plan *p, const struct segment
 	return !a->failed;
 }
 
-static void put_segment(const struct pass *p, int k, struct text *out)
+static void put_segment(const struct function *p, int k, struct text *out)
 {
 	const struct plan *lines = &p->segments.plans[k];
 	int fetched = 0, kept = 0;
@@ -346,7 +346,7 @@ int segments_reads_input(const struct plan *segment)
 	return 0;
 }
 
-void segments_dump(const struct pass *p, struct text *out)
+void segments_dump(const struct function *p, struct text *out)
 {
 	const struct segments *s = &p->segments;
 

@@ -18,31 +18,31 @@ struct segment_limits {
    two types of numbers have slots of their own. Returns 0 when memory runs out. */
 int segments_make(struct segments *s, const struct plan *p, const struct segment_limits *limits, struct arena *a);
 
-/* What a pass is to become; AGAIN: what stands beside loops, or is in lanes, however short. */
+/* What a function is to become; AGAIN: what stands beside loops, or is in lanes, however short. */
 enum segment_use { SEGMENT_NONE, SEGMENT_LOOPS, SEGMENT_AGAIN, SEGMENT_KERNEL };
 
-/* Make p->segments as the options ask for, or where that pays (segment_limits.c). Without loops or a kernel of its own a pass
+/* Make p->segments as the options ask for, or where that pays (segment_limits.c). Without loops or a kernel of its own a function
    stays whole; AGAIN has one segment at least. Returns 0 when memory runs out. */
-int segments_choose(struct pass *p, enum segment_use use, const struct request *k, const struct rneagen_options *o,
+int segments_choose(struct function *p, enum segment_use use, const struct request *k, const struct rneagen_options *o,
 	struct arena *a);
 
-/* Make p->single, with derivatives of qdd by loops over columns, or gradients by loops over coordinates, for a pass in segments
+/* Make p->single, with derivatives of qdd by loops over columns, or gradients by loops over coordinates, for a function in segments
    that serve batches: where one sample gains by it, and nothing promises its bits, which are not those of a batch. Returns 0 when
    memory runs out. */
-int segments_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a);
+int segments_single(struct function *p, const struct request *k, const struct rneagen_options *o, struct arena *a);
 
-/* Make p->many, with derivatives of qdd by loops over columns in place, or gradients by loops over coordinates, for a pass that
+/* Make p->many, with derivatives of qdd by loops over columns in place, or gradients by loops over coordinates, for a function that
    has p->single: where its own lines take a compiler long. Returns 0 when memory runs out. */
-int segments_many(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a);
+int segments_many(struct function *p, const struct request *k, const struct rneagen_options *o, struct arena *a);
 
 /* May a call of one sample run another text than a batch does: does nothing promise its bits, or ask for these segments? */
 int segments_may_differ(const struct rneagen_options *o);
 
-/* The pass once more, for one sample or for batches: of a DAG that `build` makes, under a name of its own, and in segments.
+/* The function once more, for one sample or for batches: of a DAG that `build` makes, under a name of its own, and in segments.
    *made is NULL where `build` returns 0, or makes other sines, for the table of sines is the whole's. Returns 0 when memory
    runs out. */
-typedef int segments_build(struct dag *d, const struct pass *p, const struct request *k);
-int segments_once_more(struct pass **made, const struct pass *p, segments_build *build, const char *name, const struct request *k,
+typedef int segments_build(struct dag *d, const struct function *p, const struct request *k);
+int segments_once_more(struct function **made, const struct function *p, segments_build *build, const char *name, const struct request *k,
 	const struct rneagen_options *o, struct arena *a);
 
 /* The line, from this one on, at which a loop over columns begins, or the number of lines; all lines behind the first are
@@ -52,7 +52,7 @@ uint32_t segments_next_loop(const struct plan *p, uint32_t line);
 /* Does a segment read an input other than a loop's column? */
 int segments_reads_input(const struct plan *segment);
 
-/* A line for each segment of the pass, or for the whole where there are none. */
-void segments_dump(const struct pass *p, struct text *out);
+/* A line for each segment of the function, or for the whole where there are none. */
+void segments_dump(const struct function *p, struct text *out);
 
 #endif

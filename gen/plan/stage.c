@@ -88,11 +88,11 @@ struct element {
 	int argument, row;
 	int is_output, is_zero;
 	int slot;
-	int flush; /* in the order of all passes; -1: it did not leave yet */
+	int flush; /* in the order of all functions; -1: it did not leave yet */
 };
 
 struct maker {
-	struct pass *const *passes;
+	struct function *const *functions;
 	int count, slots, line;
 	int first[DAG_ARGUMENTS]; /* element of each argument */
 	struct element *elements;
@@ -100,7 +100,7 @@ struct maker {
 	int *left;        /* per line: elements that are not there yet; by its first element */
 	int *held, held_count;
 	int *free, free_count;
-	int flush_count;  /* of all passes so far */
+	int flush_count;  /* of all functions so far */
 	struct arena *a;
 };
 
@@ -116,7 +116,7 @@ static int *left_of(const struct maker *m, const struct element *x)
 
 static int begin(struct maker *m)
 {
-	const struct dag *d = &m->passes[0]->dag;
+	const struct dag *d = &m->functions[0]->dag;
 
 	for (int i = 0; i < d->argument_count; i++) {
 		m->first[i] = m->element_count;
@@ -129,7 +129,7 @@ static int begin(struct maker *m)
 	if (m->a->failed)
 		return 0;
 	for (int k = 0; k < m->count; k++) {
-		const struct dag *part = &m->passes[k]->dag;
+		const struct dag *part = &m->functions[k]->dag;
 
 		for (size_t i = 0; i < part->output_count; i++) {
 			const struct output *o = &part->outputs[i];
@@ -168,7 +168,7 @@ static void flush(struct maker *m, int all)
 }
 
 /* In the order in which the statements store. */
-static int assign(struct maker *m, struct pass *p)
+static int assign(struct maker *m, struct function *p)
 {
 	const struct plan *plan = &p->plan;
 	struct windows *w = &p->windows;
@@ -261,7 +261,7 @@ static int make_flushes(struct maker *m)
 	int number = 0;
 
 	for (int k = 0; k < m->count; k++) {
-		struct windows *w = &m->passes[k]->windows;
+		struct windows *w = &m->functions[k]->windows;
 
 		w->flushes = arena_alloc(m->a, (size_t)w->flush_count, sizeof *w->flushes);
 		for (int i = 0; i < w->flush_count && !m->a->failed; i++)
@@ -270,14 +270,14 @@ static int make_flushes(struct maker *m)
 	return !m->a->failed;
 }
 
-/* Elements that a pass stores at most, as far as there is room. */
-static int slots_for(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a)
+/* Elements that a function stores at most, as far as there is room. */
+static int slots_for(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a)
 {
 	int most = 0, alive = 0, bytes = stage_number_bytes(o), room;
 
 	for (int i = 0; i < count; i++) {
-		const struct dag *d = &passes[i]->dag;
-		int stored = 0, waiting = plan_alive(&passes[i]->plan, a);
+		const struct dag *d = &functions[i]->dag;
+		int stored = 0, waiting = plan_alive(&functions[i]->plan, a);
 
 		for (size_t n = 0; n < d->output_count; n++)
 			stored += !output_is_zero(d, &d->outputs[n]);
@@ -296,28 +296,28 @@ static int is_staged(const struct dag *d, const struct rneagen_options *o)
 }
 
 /* More than a torque for each joint. */
-static int is_many(struct pass *const *passes, int count)
+static int is_many(struct function *const *functions, int count)
 {
 	size_t elements = 0;
 
 	for (int i = 0; i < count; i++)
-		elements += passes[i]->dag.output_count;
-	return elements > (size_t)passes[0]->plan.tree->nv && elements <= MOST_ELEMENTS;
+		elements += functions[i]->dag.output_count;
+	return elements > (size_t)functions[0]->plan.tree->nv && elements <= MOST_ELEMENTS;
 }
 
-int windows_choose(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a)
+int windows_choose(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a)
 {
-	struct maker m = {.passes = passes, .count = count, .line = passes[0]->plan.tree->nv > 0 ? passes[0]->plan.tree->nv : 1, .a = a};
+	struct maker m = {.functions = functions, .count = count, .line = functions[0]->plan.tree->nv > 0 ? functions[0]->plan.tree->nv : 1, .a = a};
 	int done;
 
-	if (o->layout != RNEAGEN_AOS || passes[0]->segments.count || !is_many(passes, count))
+	if (o->layout != RNEAGEN_AOS || functions[0]->segments.count || !is_many(functions, count))
 		return 1;
-	m.slots = slots_for(passes, count, o, a);
-	if (count == 1 && is_staged(&passes[0]->dag, o))
+	m.slots = slots_for(functions, count, o, a);
+	if (count == 1 && is_staged(&functions[0]->dag, o))
 		return 1;
 	done = m.slots == 0 || begin(&m);
 	for (int i = 0; i < count && done && m.slots; i++)
-		done = assign(&m, passes[i]);
+		done = assign(&m, functions[i]);
 	if (!done || !m.slots)
 		return done;
 	join_zeros(&m);

@@ -34,24 +34,24 @@ void dump_dag(const struct dumped *d, struct text *out)
 
 void dump_plan(const struct dumped *d, struct text *out)
 {
-	plan_dump(&d->passes->plan, out);
+	plan_dump(&d->functions->plan, out);
 }
 
 void dump_parts(const struct dumped *d, struct text *out)
 {
 	if (d->relay)
 		relay_dump(d->relay, out);
-	parts_dump(d->parts, d->part_count, d->passes, &d->analysis->tree, out);
+	parts_dump(d->parts, d->part_count, d->functions, &d->analysis->tree, out);
 }
 
 void dump_segments(const struct dumped *d, struct text *out)
 {
-	for (int i = 0; i < d->pass_count; i++)
-		segments_dump(&d->passes[i], out);
+	for (int i = 0; i < d->function_count; i++)
+		segments_dump(&d->functions[i], out);
 	if (d->relay)
-		segments_dump(&d->relay->start.pass, out);
+		segments_dump(&d->relay->start.function, out);
 	if (d->relay)
-		segments_dump(&d->relay->solve.pass, out);
+		segments_dump(&d->relay->solve.function, out);
 }
 
 void dump_limbs(const struct dumped *d, struct text *out)
@@ -59,9 +59,9 @@ void dump_limbs(const struct dumped *d, struct text *out)
 	int in_parts = d->part_count && !parts_are_apart(d->parts, d->part_count);
 
 	for (int i = 0; i < d->part_count && in_parts; i++)
-		limbs_dump(&d->parts[i].pass, out);
+		limbs_dump(&d->parts[i].function, out);
 	if (!in_parts)
-		limbs_dump(d->passes, out);
+		limbs_dump(d->functions, out);
 	if (d->relay)
-		limbs_dump(&d->relay->start.pass, out);
+		limbs_dump(&d->relay->start.function, out);
 }

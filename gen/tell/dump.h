@@ -7,8 +7,8 @@
 
 struct dumped {
 	const struct analysis *analysis;
-	const struct pass *passes; /* pass_count of them, the main one first */
-	int pass_count;
+	const struct function *functions; /* function_count of them, the main one first */
+	int function_count;
 	const struct part *parts;
 	int part_count;
 	const struct relay *relay; /* NULL: there is none */

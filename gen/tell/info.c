@@ -51,11 +51,11 @@ static void put_limbs_json(const struct emission *e, const char *key, const stru
 static void put_operations(const struct emission *e, struct text *out)
 {
 	text_put(out, "\noperations       mul    add    sub    neg    fma sincos  flops\n");
-	for (int i = 0; i < e->pass_count; i++) {
-		struct operation_count n = i ? plan_operations(&e->passes[i].plan)
+	for (int i = 0; i < e->function_count; i++) {
+		struct operation_count n = i ? plan_operations(&e->functions[i].plan)
 					     : emit_operations(e);
 
-		text_printf(out, "  %-10s %7u %6u %6u %6u %6u %6u %6u\n", e->passes[i].algorithm->name, n.mul, n.add,
+		text_printf(out, "  %-10s %7u %6u %6u %6u %6u %6u %6u\n", e->functions[i].algorithm->name, n.mul, n.add,
 			n.sub, n.neg, n.fma, n.sincos, plan_flops(n));
 		if (e->wide)
 			text_printf(out, "  %u of the flops in %s: residuals of refinement\n", n.wide, e->wide->arithmetic->name);
@@ -143,11 +143,11 @@ static void put_json_arrays(const struct dag *d, int is_output, struct text *out
 static void put_json_functions(const struct emission *e, struct text *out)
 {
 	text_put(out, "  \"functions\": [");
-	for (int i = 0; i < e->pass_count; i++) {
-		text_printf(out, "%s\n    {\"name\": \"%s\", \"inputs\": [", i ? "," : "", e->passes[i].algorithm->name);
-		put_json_arrays(&e->passes[i].dag, 0, out);
+	for (int i = 0; i < e->function_count; i++) {
+		text_printf(out, "%s\n    {\"name\": \"%s\", \"inputs\": [", i ? "," : "", e->functions[i].algorithm->name);
+		put_json_arrays(&e->functions[i].dag, 0, out);
 		text_put(out, ", \"outputs\": [");
-		put_json_arrays(&e->passes[i].dag, 1, out);
+		put_json_arrays(&e->functions[i].dag, 1, out);
 		text_putc(out, '}');
 	}
 	text_put(out, "\n  ],\n");

@@ -16,8 +16,8 @@ void parts_put_table(const struct emission *e, struct text *out)
 			p->is_hand ? "  hand: in a kernel before" : "");
 		if (p->joints)
 			text_printf(out, "  motion made again, by stretches of at most %d joints", p->joints);
-		if (p->pass.each)
-			text_printf(out, "  alike limbs in %d loops", p->pass.each->loops->count);
+		if (p->function.each)
+			text_printf(out, "  alike limbs in %d loops", p->function.each->loops->count);
 		text_putc(out, '\n');
 	}
 }
@@ -26,8 +26,8 @@ void parts_put_json(const struct emission *e, struct text *out)
 {
 	if (e->relay)
 		text_printf(out, "  \"relay\": {\"start_flops\": %u, \"start_parts\": %d, \"values\": %d, \"columns\": %d, \"warps\": %d},\n",
-			plan_flops(plan_operations(&e->relay->start.pass.plan)), e->relay->start_count ? e->relay->start_count : 1,
-			e->relay->solve.pass.segments.slots[0], relay_columns(e->relay),
+			plan_flops(plan_operations(&e->relay->start.function.plan)), e->relay->start_count ? e->relay->start_count : 1,
+			e->relay->solve.function.segments.slots[0], relay_columns(e->relay),
 			e->relay->warps);
 	for (int i = 0; i < e->part_count; i++) {
 		const struct part *p = &e->parts[i];
@@ -35,7 +35,7 @@ void parts_put_json(const struct emission *e, struct text *out)
 		text_printf(out, "%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d, \"hand\": %s, \"stretch\": %d, \"loops\": %d}",
 			i ? "," : "  \"parts\": [", e->tree->bodies[p->first].number, e->tree->bodies[p->last].number,
 			plan_flops(part_operations(p)), p->alive, p->is_hand ? "true" : "false", p->joints,
-			p->pass.each ? p->pass.each->loops->count : 0);
+			p->function.each ? p->function.each->loops->count : 0);
 	}
 	text_put(out, e->part_count ? "\n  ],\n" : "");
 }

@@ -177,17 +177,17 @@ static struct most order(const char *urdf, size_t length, const struct rneagen_o
 	struct rneagen_error e;
 	struct analysis x;
 	struct most most = {0};
-	struct pass p, part;
+	struct function p, part;
 
 	if (analysis_open(&x, urdf, length, o, &e)) {
 		ck_assert_msg(strstr(e.message, "singular") || strstr(e.message, "nothing"), "%s: %s", what, e.message);
 		return most;
 	}
-	p = (struct pass){.dag = x.dag};
+	p = (struct function){.dag = x.dag};
 	ck_assert(plan_build(&p.plan, &p.dag, &x.tree, x.arena));
 	most.before = plan_alive(&p.plan, x.arena);
 	most.early = expect_early(&p.plan, x.arena, what);
-	part = (struct pass){.dag = x.dag};
+	part = (struct function){.dag = x.dag};
 	ck_assert(plan_build(&part.plan, &part.dag, &x.tree, x.arena));
 	ck_assert(plan_order(&p, &x.tree, &x.request, o, ORDERED_WHOLE, x.arena));
 	ck_assert(plan_order(&part, &x.tree, &x.request, o, ORDERED_PART, x.arena));

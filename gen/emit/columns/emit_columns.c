@@ -6,18 +6,18 @@
 #include "emit/columns/emit_way_back.h"
 #include "emit/unparse.h"
 
-int emit_is_loop(const struct pass *p, int segment)
+int emit_is_loop(const struct function *p, int segment)
 {
 	return segment >= p->segments.count - p->dag.loop_count;
 }
 
-static int loop_of(const struct pass *p, int segment)
+static int loop_of(const struct function *p, int segment)
 {
 	return segment - (p->segments.count - p->dag.loop_count);
 }
 
 /* From a sample's elements to those of the next. */
-static const char *pitch_text(const struct emission *e, const struct pass *p, int loop)
+static const char *pitch_text(const struct emission *e, const struct function *p, int loop)
 {
 	const struct column_run *r = p->dag.runs;
 	struct text t;
@@ -68,18 +68,18 @@ static void write_columns(struct writer *w, int is_over)
 	w->own.is_over_columns = is_over;
 }
 
-static int is_way(const struct pass *p, int loop)
+static int is_way(const struct function *p, int loop)
 {
 	return p->dag.rooms[loop].columns > 0;
 }
 
 /* Is it the last loop of its kind? */
-static int is_last(const struct pass *p, int loop)
+static int is_last(const struct function *p, int loop)
 {
 	return loop == p->dag.loop_count - 1 || is_way(p, loop) != is_way(p, loop + 1);
 }
 
-static const char *what_text(const struct pass *p, int loop, int is_row)
+static const char *what_text(const struct function *p, int loop, int is_row)
 {
 	if (is_way(p, loop))
 		return is_row ? "coordinates side by side, from a link to the one before" : "a coordinate, from a link to the one before";
@@ -87,12 +87,12 @@ static const char *what_text(const struct pass *p, int loop, int is_row)
 }
 
 /* Statements are made in `spare` before they are indented. */
-void emit_columns(const struct emission *e, const struct pass *p, int segment, struct writer *w, struct text *spare,
+void emit_columns(const struct emission *e, const struct function *p, int segment, struct writer *w, struct text *spare,
 	struct text *out)
 {
 	const struct segments *s = &p->segments;
 	int is_many = p == emit_main(e)->many, is_row = !e->target->kernel && !is_many;
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->memory->type},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"T", e->memory->type},
 		{"PITCH", pitch_text(e, p, loop_of(p, segment))}, {"LANES", emit_int(e, emit_lanes(e, s))}, {"SEGMENT", emit_int(e, segment)},
 		{"COUNT", emit_int(e, s->count)}, {"UNUSED", unused_text(e, &s->plans[segment])},
 		{"NUMBER", emit_int(e, loop_of(p, segment))}, {"WHAT", what_text(p, loop_of(p, segment), is_row)},
@@ -123,7 +123,7 @@ void emit_columns(const struct emission *e, const struct pass *p, int segment, s
 
 /* ---- calls ---- */
 
-const char *emit_columns_many_declarations(const struct emission *e, const struct pass *p)
+const char *emit_columns_many_declarations(const struct emission *e, const struct function *p)
 {
 	struct text t;
 
@@ -134,7 +134,7 @@ const char *emit_columns_many_declarations(const struct emission *e, const struc
 	return text_string(&t);
 }
 
-const char *emit_columns_declaration(const struct emission *e, const struct pass *p)
+const char *emit_columns_declaration(const struct emission *e, const struct function *p)
 {
 	int last = p->dag.loop_count - 1;
 	const struct argument *columns = last < 0 ? NULL : &p->dag.arguments[p->dag.rooms[last].argument];
@@ -151,7 +151,7 @@ const char *emit_columns_declaration(const struct emission *e, const struct pass
 }
 
 /* What nobody reads is zero: else it might be anything, and take long. */
-static void put_zeros(const struct pass *p, int loop, struct text *out)
+static void put_zeros(const struct function *p, int loop, struct text *out)
 {
 	const struct column_room *r = &p->dag.rooms[loop];
 	int columns = dag_loop_columns(&p->dag, loop);
@@ -169,7 +169,7 @@ void emit_put_address(const char *array, int row, const char *step, struct text 
 }
 
 /* `stride`: "" where it is 1. */
-static void put_copies(const struct emission *e, const struct pass *p, int loop, const char *indent, const char *stride,
+static void put_copies(const struct emission *e, const struct function *p, int loop, const char *indent, const char *stride,
 	struct text *out)
 {
 	const struct column_room *x = &p->dag.rooms[loop];
@@ -187,7 +187,7 @@ static void put_copies(const struct emission *e, const struct pass *p, int loop,
 }
 
 /* Where a sample's rows are together, their elements are side by side; in a batch of soa one comes after the other. */
-void emit_columns_calls(const struct emission *e, const struct pass *p, int segment, struct text *out)
+void emit_columns_calls(const struct emission *e, const struct function *p, int segment, struct text *out)
 {
 	int loop = loop_of(p, segment);
 
@@ -213,20 +213,20 @@ void emit_columns_calls(const struct emission *e, const struct pass *p, int segm
 
 /* ---- batches ---- */
 
-static const char *step_of(const struct emission *e, const struct pass *p, int argument)
+static const char *step_of(const struct emission *e, const struct function *p, int argument)
 {
 	return e->options->layout == RNEAGEN_SOA ? "count" : emit_int(e, p->dag.arguments[argument].rows);
 }
 
 /* `x + first`, of a sample. */
-static void put_first(const struct emission *e, const struct pass *p, int argument, struct text *out)
+static void put_first(const struct emission *e, const struct function *p, int argument, struct text *out)
 {
 	int is_soa = e->options->layout == RNEAGEN_SOA;
 
 	text_printf(out, "%s + first%s%s", p->dag.arguments[argument].name, is_soa ? "" : "*", is_soa ? "" : step_of(e, p, argument));
 }
 
-void emit_columns_many_calls(const struct emission *e, const struct pass *p, int segment, struct text *out)
+void emit_columns_many_calls(const struct emission *e, const struct function *p, int segment, struct text *out)
 {
 	int loop = loop_of(p, segment), is_soa = e->options->layout == RNEAGEN_SOA;
 
@@ -244,14 +244,14 @@ void emit_columns_many_calls(const struct emission *e, const struct pass *p, int
 	}
 }
 
-static int zero_runs(const struct emission *e, const struct pass *p, int argument, struct text *out)
+static int zero_runs(const struct emission *e, const struct function *p, int argument, struct text *out)
 {
 	return emit_zero_runs(e, &p->dag, p->zeros, p->zero_count, argument, out);
 }
 
-void emit_zeros_many(const struct emission *e, const struct pass *p, struct text *out)
+void emit_zeros_many(const struct emission *e, const struct function *p, struct text *out)
 {
-	const char *name = e->options->name, *pass = p->algorithm->name;
+	const char *name = e->options->name, *function = p->algorithm->name;
 	int is_soa = e->options->layout == RNEAGEN_SOA;
 	struct text tables, runs;
 
@@ -262,10 +262,10 @@ void emit_zeros_many(const struct emission *e, const struct pass *p, struct text
 		int count = zero_runs(e, p, i, &runs);
 
 		if (count)
-			text_printf(&tables, "static const unsigned %s_%s_%s_zeros[%d][2] = {%s};\n", name, pass, p->dag.arguments[i].name,
+			text_printf(&tables, "static const unsigned %s_%s_%s_zeros[%d][2] = {%s};\n", name, function, p->dag.arguments[i].name,
 				count, text_string(&runs));
 	}
-	const struct slot slots[] = {{"NAME", name}, {"PASS", pass}, {"T", e->memory->type},
+	const struct slot slots[] = {{"NAME", name}, {"FUNCTION", function}, {"T", e->memory->type},
 		{"LANES", emit_int(e, emit_lanes(e, &p->segments))}, {"PLACE", is_soa ? "i*stride + l" : "i + l*stride"},
 		{"TABLES", text_string(&tables)}};
 	size_t from = out->length;
@@ -274,9 +274,9 @@ void emit_zeros_many(const struct emission *e, const struct pass *p, struct text
 	fold(out, from);
 }
 
-void emit_zeros_many_calls(const struct emission *e, const struct pass *p, struct text *out)
+void emit_zeros_many_calls(const struct emission *e, const struct function *p, struct text *out)
 {
-	const char *name = e->options->name, *pass = p->algorithm->name;
+	const char *name = e->options->name, *function = p->algorithm->name;
 	struct text runs;
 
 	for (int i = 0; i < p->dag.argument_count && p->zero_count; i++) {
@@ -284,8 +284,8 @@ void emit_zeros_many_calls(const struct emission *e, const struct pass *p, struc
 
 		if (!count)
 			continue;
-		text_printf(out, "\t%s_%s_zeros(", name, pass);
+		text_printf(out, "\t%s_%s_zeros(", name, function);
 		put_first(e, p, i, out);
-		text_printf(out, ", %s, %s_%s_%s_zeros, %d);\n", step_of(e, p, i), name, pass, p->dag.arguments[i].name, count);
+		text_printf(out, ", %s, %s_%s_%s_zeros, %d);\n", step_of(e, p, i), name, function, p->dag.arguments[i].name, count);
 	}
 }

@@ -11,12 +11,12 @@ static inline int emit_is_carried(const struct dag *d, int argument)
 }
 
 /* The array, of one sample or of a block. */
-void emit_way_declaration(const struct emission *e, const struct pass *p, struct text *out);
-void emit_way_many_declaration(const struct emission *e, const struct pass *p, struct text *out);
+void emit_way_declaration(const struct emission *e, const struct function *p, struct text *out);
+void emit_way_many_declaration(const struct emission *e, const struct function *p, struct text *out);
 
 /* What the loops' calls need, behind the last loop; and the calls, for one sample, and for a block of them. */
-void emit_way_functions(const struct emission *e, const struct pass *p, struct text *out);
-void emit_way_calls(const struct emission *e, const struct pass *p, int loop, struct text *out);
-void emit_way_many_calls(const struct emission *e, const struct pass *p, int loop, struct text *out);
+void emit_way_functions(const struct emission *e, const struct function *p, struct text *out);
+void emit_way_calls(const struct emission *e, const struct function *p, int loop, struct text *out);
+void emit_way_many_calls(const struct emission *e, const struct function *p, int loop, struct text *out);
 
 #endif

@@ -27,7 +27,7 @@ int emit_stage_words(const struct emission *e)
 	int most = emit_is_apart(e) ? 0 : stage_words(&emit_main(e)->dag, e->options);
 
 	for (int i = 0; i < e->part_count && emit_is_apart(e); i++) {
-		int words = stretches_words(e->parts[i].pass.stretches, &e->parts[i].pass.dag, e->options);
+		int words = stretches_words(e->parts[i].function.stretches, &e->parts[i].function.dag, e->options);
 
 		most = words > most ? words : most;
 	}
@@ -63,7 +63,7 @@ int emit_is_full(const struct emission *e)
 static int may_stage_parts(const struct emission *e)
 {
 	return emit_is_apart(e) && (!request_wants_derivative(e->request) ||
-		(e->options->layout == RNEAGEN_AOS && e->parts[0].pass.stretches->period));
+		(e->options->layout == RNEAGEN_AOS && e->parts[0].function.stretches->period));
 }
 
 /* Does the main kernel fetch its slice into shared memory first? Segments and windows have shared memory of their own. */

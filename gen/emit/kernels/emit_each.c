@@ -5,7 +5,7 @@
 #include "plan/lanes/each.h"
 #include <stdlib.h>
 
-static void put_numbers_of(const struct emission *e, const struct pass *p, int limb, struct text *out)
+static void put_numbers_of(const struct emission *e, const struct function *p, int limb, struct text *out)
 {
 	size_t from = out->length;
 
@@ -27,7 +27,7 @@ static const char *first_text(const struct emission *e)
 	return request_wants_derivative(e->request) ? "0" : "(threadIdx.x >> 16) /* 0: each thread has its own number of the limb */";
 }
 
-void emit_each_numbers(const struct emission *e, const struct pass *p, struct text *out)
+void emit_each_numbers(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct slot first[] = {{"FIRST", first_text(e)}};
 	struct text rows;
@@ -38,7 +38,7 @@ void emit_each_numbers(const struct emission *e, const struct pass *p, struct te
 	text_init(&rows, e->arena);
 	for (int limb = 0; limb < p->loops->limbs; limb++)
 		put_numbers_of(e, p, limb, &rows);
-	const struct slot slots[] = {{"T", e->numbers->value}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
+	const struct slot slots[] = {{"T", e->numbers->value}, {"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"LIMBS", emit_int(e, p->loops->limbs)}, {"COUNT", emit_int(e, p->loops->number_count)}, {"ROWS", text_string(&rows)}};
 
 	template_expand(out, template_each_numbers_in, slots, sizeof slots / sizeof *slots);
@@ -46,22 +46,22 @@ void emit_each_numbers(const struct emission *e, const struct pass *p, struct te
 
 void emit_put_each_number(const struct unparser *u, const struct node *n, struct text *out)
 {
-	int place = u->pass->loops->place[n->arg[0].i - 1];
+	int place = u->function->loops->place[n->arg[0].i - 1];
 
 	text_printf(out, place < 0 ? "(-%s_%s_each[each][%d])" : "%s_%s_each[each][%d]", u->emission->options->name,
-		u->pass->algorithm->name, abs(place) - 1);
+		u->function->algorithm->name, abs(place) - 1);
 }
 
 void emit_put_each_step(const struct unparser *u, struct ref angle, int first, struct text *out)
 {
-	int step = 2 * (angles_place(&u->sines, u->plan->dag, angle, u->pass->loops, 1) - first);
+	int step = 2 * (angles_place(&u->sines, u->plan->dag, angle, u->function->loops, 1) - first);
 
 	text_printf(out, " %c %d*each", step < 0 ? '-' : '+', abs(step));
 }
 
 int emit_is_later_limb(const struct unparser *u, const struct line *store)
 {
-	const struct each *x = u->pass->loops;
+	const struct each *x = u->function->loops;
 	int row = u->plan->dag->outputs[store->index].row % u->plan->tree->nv, first = x->first[u->loop][0];
 
 	for (int k = first; k < first + x->bodies[u->loop]; k++)
@@ -86,7 +86,7 @@ void emit_put_leaving(const struct unparser *u, struct ref a, struct text *out)
 
 static int loop_at(const struct unparser *u, const struct plan *p, size_t line)
 {
-	return line < p->line_count ? each_of_line(u->pass, &p->lines[line]) : 0;
+	return line < p->line_count ? each_of_line(u->function, &p->lines[line]) : 0;
 }
 
 /* The first line, from this one on, that is no section's; where the loop ends. */
@@ -134,14 +134,14 @@ static void put_pointers(const struct unparser *u, const struct plan *p, size_t 
 
 		if (used[i])
 			text_printf(out, "\t\t%s%s *const %s" EMIT_EACH " = %s + each*(%d*stride);\n", a->is_output ? "" : "const ",
-				u->emission->memory->type, a->name, a->name, u->pass->loops->shift[loop]);
+				u->emission->memory->type, a->name, a->name, u->function->loops->shift[loop]);
 	}
 }
 
 /* "links 3 to 8, and so 9 to 14" */
 static void put_comment(const struct unparser *u, int loop, struct text *out)
 {
-	const struct each *x = u->pass->loops;
+	const struct each *x = u->function->loops;
 	const struct body *bodies = u->plan->tree->bodies;
 
 	text_put(out, "\n\t/* ==== alike limbs: what is said of links ");
@@ -157,7 +157,7 @@ static void put_begin(const struct unparser *u, const struct plan *p, size_t lin
 
 	put_comment(u, loop, out);
 	put_leaving(u, p, line, end, out);
-	text_printf(out, "\tRNEA_EACH_LIMB\n\tfor (unsigned each = RNEA_EACH_FIRST; each < %d; each++) {\n", u->pass->loops->limbs);
+	text_printf(out, "\tRNEA_EACH_LIMB\n\tfor (unsigned each = RNEA_EACH_FIRST; each < %d; each++) {\n", u->function->loops->limbs);
 	put_pointers(u, p, line, end, loop, out);
 }
 
@@ -165,7 +165,7 @@ void emit_each_before(struct unparser *u, const struct plan *lines, size_t line,
 {
 	int next;
 
-	if (!u->pass->loops)
+	if (!u->function->loops)
 		return;
 	next = loop_at(u, lines, next_line(lines, line));
 	if (u->loop && next != u->loop)

@@ -25,7 +25,7 @@ static const char *row_text(const struct emission *e, const struct angles *list)
 }
 
 /* An angle that is not its input itself. */
-static const char *angle_text(const struct emission *e, const struct pass *p)
+static const char *angle_text(const struct emission *e, const struct function *p)
 {
 	const struct angles *list = &p->limbs.first;
 	struct text t;
@@ -41,7 +41,7 @@ static const char *angle_text(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-void emit_put_table(const struct emission *e, const struct pass *p, struct text *out)
+void emit_put_table(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct number_type *n = e->numbers;
 	const struct angles *list = &p->limbs.first;
@@ -49,7 +49,7 @@ void emit_put_table(const struct emission *e, const struct pass *p, struct text 
 
 	if (!list->count)
 		return;
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", n->value}, {"M", e->memory->type},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"T", n->value}, {"M", e->memory->type},
 		{"X", n->angle_is_memory ? n->memory->type : n->value}, {"ROW", row_text(e, list)}, {"X_OF", angle_text(e, p)},
 		{"ANGLES", emit_int(e, list->count)}, {"LAST", emit_int(e, list->count - 1)},
 		{"PITCH", emit_int(e, p->limbs.words)}, {"FIRST", emit_int(e, p->limbs.slots)}, {"SINCOS", n->sincos}};
@@ -58,7 +58,7 @@ void emit_put_table(const struct emission *e, const struct pass *p, struct text 
 	fold(out, from);
 }
 
-const char *emit_table_param(const struct emission *e, const struct pass *p)
+const char *emit_table_param(const struct emission *e, const struct function *p)
 {
 	struct text t;
 

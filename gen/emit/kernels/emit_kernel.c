@@ -22,7 +22,7 @@ static const char *in_place_text(const struct emission *e, const struct part *pa
 	const struct dag *d = arguments_of(e);
 	int tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1);
 
-	if (part && part->pass.stretches->period)
+	if (part && part->function.stretches->period)
 		return "\t/* outputs take the places of inputs: a row is read before it is written, the vjp's for q, qd and qdd where these were */\n";
 	return stage_place(d, tau) == tau ? "" :
 		"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n";
@@ -48,7 +48,7 @@ const char *emit_spill(const struct emission *e)
 
 /* What a kernel's block does to its slice: all of it, or a part that shares nothing with others. */
 struct work {
-	const struct pass *pass;
+	const struct function *function;
 	const struct part *part; /* NULL: all of it */
 	int is_staged;
 	const char *alone; /* the name of a kernel of large batches, which has nothing else to do; NULL: it is none */
@@ -69,11 +69,11 @@ static const char *handed_text(const struct emission *e)
 /* On the arrays themselves. */
 static const char *direct_call(const struct emission *e, const struct work *w)
 {
-	const struct call there = {.indent = "\t", .arguments = emit_params(e, w->pass, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
-		.stride = emit_stride(e), .is_optimistic = emit_is_of_main(e, w->pass) && emit_is_optimistic(e), .part = w->part,
+	const struct call there = {.indent = "\t", .arguments = emit_params(e, w->function, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
+		.stride = emit_stride(e), .is_optimistic = emit_is_of_main(e, w->function) && emit_is_optimistic(e), .part = w->part,
 		.handed = handed_text(e)};
 
-	return emit_call(e, w->pass, &there);
+	return emit_call(e, w->function, &there);
 }
 
 static const char *kernel_call(const struct emission *e, const struct work *w, const struct slices *s)
@@ -82,11 +82,11 @@ static const char *kernel_call(const struct emission *e, const struct work *w, c
 	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = s->here, .q = "q_here",
 		.stride = is_soa ? "stride" : "1", .part = w->part, .is_staged = 1, .handed = handed_text(e)};
 
-	return w->is_staged ? emit_call(e, w->pass, &here) : direct_call(e, w);
+	return w->is_staged ? emit_call(e, w->function, &here) : direct_call(e, w);
 }
 
 /* One call for each array that has rows of each sample. */
-static const char *prefetch_text(const struct emission *e, const struct pass *p)
+static const char *prefetch_text(const struct emission *e, const struct function *p)
 {
 	struct text t;
 
@@ -105,7 +105,7 @@ static const char *prefetch_text(const struct emission *e, const struct pass *p)
 /* How the function begins: a kernel, or what it calls for a part. */
 static const char *head_text(const struct emission *e, const struct work *w)
 {
-	const char *name = w->pass->algorithm->name, *params = emit_params(e, w->pass, PARAMS_CUDA_RESTRICT);
+	const char *name = w->function->algorithm->name, *params = emit_params(e, w->function, PARAMS_CUDA_RESTRICT);
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -114,7 +114,7 @@ static const char *head_text(const struct emission *e, const struct work *w)
 			e->options->name, w->alone, params);
 	else if (!w->part)
 		text_printf(&t, "extern \"C\" __global__ void __launch_bounds__(RNEA_BLOCK%s)\n%s_%s_kernel(%s, size_t count)",
-			w->pass == emit_main(e) ? ", RNEA_MIN_BLOCKS" : "", e->options->name, name, params);
+			w->function == emit_main(e) ? ", RNEA_MIN_BLOCKS" : "", e->options->name, name, params);
 	else
 		text_printf(&t, "static __device__ __forceinline__ void\n%s_%s_block(%s, size_t count%s%s%s)", e->options->name, name, params,
 			w->is_staged ? ", " : "", w->is_staged ? e->memory->type : "", w->is_staged ? " *slices, const bool staged" : "");
@@ -122,7 +122,7 @@ static const char *head_text(const struct emission *e, const struct work *w)
 }
 
 /* Each part's share. */
-static const char *zeros_text(const struct emission *e, const struct pass *p)
+static const char *zeros_text(const struct emission *e, const struct function *p)
 {
 	int part = emit_column_part(e, p);
 
@@ -133,11 +133,11 @@ static const char *zeros_text(const struct emission *e, const struct pass *p)
 
 static void put_work(const struct emission *e, const struct work *w, struct text *out)
 {
-	const struct slices s = emit_slices(e, w->part ? w->part->pass.stretches : NULL, "RNEA_BLOCK");
+	const struct slices s = emit_slices(e, w->part ? w->part->function.stretches : NULL, "RNEA_BLOCK");
 	const struct slot slots[] = {
-		{"HEAD", head_text(e, w)}, {"NAME", e->options->name}, {"PASS", w->pass->algorithm->name}, {"T", e->memory->type},
-		{"SPILL", emit_spill(e)}, {"ZEROS", zeros_text(e, w->pass)},
-		{"CALL", kernel_call(e, w, &s)}, {"PREFETCH", prefetch_text(e, w->pass)},
+		{"HEAD", head_text(e, w)}, {"NAME", e->options->name}, {"FUNCTION", w->function->algorithm->name}, {"T", e->memory->type},
+		{"SPILL", emit_spill(e)}, {"ZEROS", zeros_text(e, w->function)},
+		{"CALL", kernel_call(e, w, &s)}, {"PREFETCH", prefetch_text(e, w->function)},
 		{"DECLARATION", w->part ? "" : emit_slices_declaration(e)},
 		{"SLICES", s.slices}, {"POINTERS", s.pointers}, {"MOVE_IN", s.move_in}, {"MOVE_OUT", s.move_out}, {"JOIN", s.join},
 		{"IN_PLACE", in_place_text(e, w->part)},
@@ -148,7 +148,7 @@ static void put_work(const struct emission *e, const struct work *w, struct text
 		sizeof slots / sizeof *slots);
 }
 
-void emit_kernel(const struct emission *e, const struct pass *p, struct text *out)
+void emit_kernel(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct work w = {p, NULL, emit_is_staged(e) && p == emit_main(e), NULL};
 
@@ -157,8 +157,8 @@ void emit_kernel(const struct emission *e, const struct pass *p, struct text *ou
 
 static void put_tiled(const struct emission *e, const struct work *w, struct text *out)
 {
-	const struct tiled_kernel k = {.pass = w->pass, .part = w->part, .name = w->alone, .handed = handed_text(e), .spill = spill_text(e, ""),
-		.zeros = zeros_text(e, w->pass), .direct = direct_call(e, w)};
+	const struct tiled_kernel k = {.function = w->function, .part = w->part, .name = w->alone, .handed = handed_text(e), .spill = spill_text(e, ""),
+		.zeros = zeros_text(e, w->function), .direct = direct_call(e, w)};
 
 	emit_tiled_kernel(e, &k, out);
 }
@@ -167,14 +167,14 @@ void emit_alone_kernel(const struct emission *e, int part, struct text *out)
 {
 	const struct work w = {emit_part(e, part), emit_is_apart(e) ? &e->parts[part] : NULL, 0, emit_alone_name(e, part)};
 
-	(w.pass->tiles ? put_tiled : put_work)(e, &w, out);
+	(w.function->tiles ? put_tiled : put_work)(e, &w, out);
 }
 
-/* A kernel of parts that share nothing, named after a pass. */
+/* A kernel of parts that share nothing, named after a function. */
 struct apart {
 	const struct part *parts;
 	int count, is_staged, is_alone; /* is_alone: the parts have kernels of their own too, with what asks for angles */
-	const char *pass, *kernel, *what, *bounds;
+	const char *function, *kernel, *what, *bounds;
 };
 
 /* A function for each of the parts, and the kernel that calls them. */
@@ -185,15 +185,15 @@ static void put_apart(const struct emission *e, const struct apart *x, struct te
 
 	text_init(&cases, e->arena);
 	for (int i = 0; i < x->count; i++) {
-		const struct work w = {&x->parts[i].pass, &x->parts[i], x->is_staged, NULL};
+		const struct work w = {&x->parts[i].function, &x->parts[i], x->is_staged, NULL};
 
 		if (!x->is_alone)
 			emit_part_small(e, &x->parts[i], out);
 		put_work(e, &w, out);
-		text_printf(&cases, "\tcase %d:\n\t\t%s_%s_block(%s, count%s);\n\t\tbreak;\n", i, name, w.pass->algorithm->name,
-			emit_params(e, w.pass, PARAMS_NAMES), x->is_staged ? ", slices, staged" : "");
+		text_printf(&cases, "\tcase %d:\n\t\t%s_%s_block(%s, count%s);\n\t\tbreak;\n", i, name, w.function->algorithm->name,
+			emit_params(e, w.function, PARAMS_NAMES), x->is_staged ? ", slices, staged" : "");
 	}
-	const struct slot slots[] = {{"NAME", name}, {"PASS", x->pass}, {"KERNEL", x->kernel}, {"WHAT", x->what},
+	const struct slot slots[] = {{"NAME", name}, {"FUNCTION", x->function}, {"KERNEL", x->kernel}, {"WHAT", x->what},
 		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"BOUNDS", x->bounds},
 		{"DECLARATION", x->is_staged ? emit_slices_declaration(e) : ""}, {"COUNT", emit_int(e, x->count)},
 		{"CASES", text_string(&cases)}};
@@ -206,7 +206,7 @@ static const char SHARE_NOTHING[] = "Parts that share nothing";
 static void put_both(const struct emission *e, struct text *out)
 {
 	struct apart x = {.parts = e->parts, .is_staged = emit_is_staged(e), .is_alone = emit_alone_least(e) > 0,
-		.pass = emit_main(e)->algorithm->name, .bounds = ", RNEA_MIN_BLOCKS",
+		.function = emit_main(e)->algorithm->name, .bounds = ", RNEA_MIN_BLOCKS",
 		.what = "Hands, each a part; a launch runs this kernel before the one that reads what they hand on"};
 
 	for (int level = 0; level < emit_hand_levels(e); level++) {
@@ -225,12 +225,12 @@ static void put_both(const struct emission *e, struct text *out)
 static void put_starts(const struct emission *e, struct text *out)
 {
 	const struct apart starts = {.parts = e->relay->starts, .count = e->relay->start_count,
-		.pass = e->relay->start.pass.algorithm->name, .kernel = "kernel", .bounds = "", .what = SHARE_NOTHING};
+		.function = e->relay->start.function.algorithm->name, .kernel = "kernel", .bounds = "", .what = SHARE_NOTHING};
 
 	put_apart(e, &starts, out);
 }
 
-static void put_pass(const struct emission *e, const struct pass *p, struct text *out)
+static void put_function_of(const struct emission *e, const struct function *p, struct text *out)
 {
 	if (p->segments.count)
 		emit_segments_kernel(e, p, out);
@@ -248,16 +248,16 @@ void emit_kernels(const struct emission *e, struct text *out)
 	if (e->relay && e->relay->start_count)
 		put_starts(e, out);
 	else if (e->relay)
-		put_pass(e, &e->relay->start.pass, out);
+		put_function_of(e, &e->relay->start.function, out);
 	if (e->relay)
 		emit_relay_solve(e, out);
-	for (int i = 0; i < e->pass_count && e->target->kernel; i++)
+	for (int i = 0; i < e->function_count && e->target->kernel; i++)
 		if (i == 0 && emit_is_apart(e))
 			put_both(e, out);
-		else if (i == 0 && !e->passes[i].segments.count && emit_windows(e)->slots)
-			emit_windowed(e, &e->passes[i], out);
+		else if (i == 0 && !e->functions[i].segments.count && emit_windows(e)->slots)
+			emit_windowed(e, &e->functions[i], out);
 		else
-			put_pass(e, &e->passes[i], out);
+			put_function_of(e, &e->functions[i], out);
 	text_put(out, emit_alone_least(e) ? "#endif\n" : "");
 	if (emit_has_limbs(e))
 		emit_limbs(e, out);
@@ -315,7 +315,7 @@ static void put_stage_aos(const struct emission *e, const struct slot *slots, si
 const char *emit_stage(const struct emission *e)
 {
 	const struct kernel_frames *f = e->target->kernel;
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", emit_main(e)->algorithm->name}, {"T", e->memory->type},
 		{"BYTES", emit_int(e, emit_slice_bytes(e))}, {"COPY", f ? f->stage_copy : ""}};
 	struct text t;
 

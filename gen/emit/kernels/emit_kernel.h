@@ -6,9 +6,9 @@
 
 /* The kernel NAME_PASS_kernel. Where it may spill to shared memory, the line that says so. Kernels whose outputs leave through
    windows, and these. */
-void emit_kernel(const struct emission *e, const struct pass *p, struct text *out);
+void emit_kernel(const struct emission *e, const struct function *p, struct text *out);
 const char *emit_spill(const struct emission *e);
-void emit_windowed(const struct emission *e, const struct pass *p, struct text *out);
+void emit_windowed(const struct emission *e, const struct function *p, struct text *out);
 void emit_put_windows(const struct emission *e, struct text *out);
 
 /* CUDA: all kernels, and the functions by which they stage their slices. */
@@ -22,10 +22,10 @@ const char *emit_given(const struct emission *e, const char *kernel);
 int emit_stage_bytes(const struct emission *e);
 
 /* Do the statements store by RNEA_STORE? May it be to shared memory? What that means, or RNEA_HOLD and RNEA_FLUSH where outputs leave
-   through windows; else "". The calls of a pass's flush. */
+   through windows; else "". The calls of a function's flush. */
 int emit_is_streamed(const struct emission *e);
 int emit_stores_to_tiles(const struct emission *e);
 const char *emit_store(const struct emission *e);
-void emit_put_flush(const struct emission *e, const struct pass *p, int flush, struct text *out);
+void emit_put_flush(const struct emission *e, const struct function *p, int flush, struct text *out);
 
 #endif

@@ -22,7 +22,7 @@ static const char *small_text(const struct emission *e, int angles)
 }
 
 /* Sines of large angles, before all that asks for sines. */
-static void put_known(const struct emission *e, const struct pass *p, const struct angles *list, struct text *out)
+static void put_known(const struct emission *e, const struct function *p, const struct angles *list, struct text *out)
 {
 	const struct number_type *n = e->numbers;
 	struct text each;
@@ -57,12 +57,12 @@ static struct plan rest_after(const struct plan *lines, size_t first)
 	return p;
 }
 
-static void put_warp(const struct emission *e, const struct pass *p, int warp, struct writer *w, struct text *out)
+static void put_warp(const struct emission *e, const struct function *p, int warp, struct writer *w, struct text *out)
 {
 	const struct plan *lines = &p->limbs.plans[warp], inputs = inputs_of(lines),
 		rest_of = rest_after(lines, inputs.line_count);
 	const struct angles list = angles_of(lines, 0, e->arena);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, warp)},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"NUMBER", emit_int(e, warp)},
 		{"COUNT", emit_int(e, p->limbs.warps)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"T", e->numbers->value},
 		{"SINES", emit_table_param(e, p)}};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;
@@ -80,9 +80,9 @@ static void put_warp(const struct emission *e, const struct pass *p, int warp, s
 	template_expand(out, rest, slots, count);
 }
 
-/* What a kernel's warps run: the parts of the text, or a relay's first pass. */
+/* What a kernel's warps run: the parts of the text, or a relay's first function. */
 struct crew {
-	const struct pass *named; /* the kernel is named after it */
+	const struct function *named; /* the kernel is named after it */
 	int is_start, count;
 	const char *macro;
 };
@@ -94,10 +94,10 @@ static struct crew own_crew(const struct emission *e)
 
 static struct crew start_crew(const struct emission *e)
 {
-	return (struct crew){&e->relay->start.pass, 1, 1, "RNEA_START_LIMBS"};
+	return (struct crew){&e->relay->start.function, 1, 1, "RNEA_START_LIMBS"};
 }
 
-static const struct pass *crew_pass(const struct emission *e, const struct crew *c, int k)
+static const struct function *crew_pass(const struct emission *e, const struct crew *c, int k)
 {
 	return c->is_start || emit_is_apart(e) ? c->named : emit_part(e, k);
 }
@@ -105,7 +105,7 @@ static const struct pass *crew_pass(const struct emission *e, const struct crew 
 static int crew_knows(const struct emission *e, const struct crew *c)
 {
 	for (int k = 0; k < c->count; k++) {
-		const struct pass *p = crew_pass(e, c, k);
+		const struct function *p = crew_pass(e, c, k);
 
 		if (plan_operations(&p->plan).sincos && !p->limbs.first.count)
 			return 1;
@@ -133,7 +133,7 @@ int emit_has_limbs(const struct emission *e)
 
 const struct limbs *emit_start_limbs(const struct emission *e)
 {
-	return e->relay && emit_has_limbs(e) && e->relay->start.pass.limbs.warps ? &e->relay->start.pass.limbs : NULL;
+	return e->relay && emit_has_limbs(e) && e->relay->start.function.limbs.warps ? &e->relay->start.function.limbs : NULL;
 }
 
 static const char *warps_text(const struct emission *e, const struct crew *c)
@@ -142,7 +142,7 @@ static const char *warps_text(const struct emission *e, const struct crew *c)
 
 	text_init(&t, e->arena);
 	for (int k = 0; k < c->count; k++) {
-		const struct pass *p = crew_pass(e, c, k);
+		const struct function *p = crew_pass(e, c, k);
 		struct writer w;
 
 		unparse_begin(&w, e, p, e->numbers);
@@ -161,7 +161,7 @@ static const char *cases_text(const struct emission *e, const struct crew *c)
 
 	text_init(&t, e->arena);
 	for (int k = 0; k < c->count; k++) {
-		const struct pass *p = crew_pass(e, c, k);
+		const struct function *p = crew_pass(e, c, k);
 
 		for (int i = 0; i < p->limbs.warps; i++)
 			text_printf(&t, "\tcase %d:\n\t\t%s_%s_limb%d(%s, across%s);\n\t\tbreak;\n", k * p->limbs.warps + i,
@@ -219,7 +219,7 @@ static const char *first_text(const struct emission *e, const struct crew *c)
 	text_init(&t, e->arena);
 	text_init(&calls, e->arena);
 	for (int k = 0; k < c->count; k++) {
-		const struct pass *p = crew_pass(e, c, k);
+		const struct function *p = crew_pass(e, c, k);
 
 		if (!p->limbs.first.count)
 			continue;
@@ -240,7 +240,7 @@ static void put_crew(const struct emission *e, const struct crew *c, struct text
 	const struct limbs *s = &crew_pass(e, c, 0)->limbs;
 	int has_parts = !c->is_start && e->part_count && !emit_is_apart(e);
 	const char *lines = warps_text(e, c);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", c->named->algorithm->name}, {"T", e->numbers->value},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", c->named->algorithm->name}, {"T", e->numbers->value},
 		{"MACRO", c->macro}, {"WARPS", emit_int(e, s->warps)}, {"WORDS", emit_int(e, s->words)},
 		{"GROUPS", emit_int(e, s->groups)}, {"JOIN", join_text(e, s, lines)}, {"LIMBS", lines}, {"CASES", cases_text(e, c)},
 		{"FIRST", first_text(e, c)},
@@ -277,7 +277,7 @@ static const char *launch_text(const struct emission *e, const struct crew *c, c
 	text_init(&room, e->arena);
 	if (needs_room(e, &crew_pass(e, c, 0)->limbs))
 		text_printf(&room, " && %s_%s_limbs_have_room()", e->options->name, c->named->algorithm->name);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", c->named->algorithm->name}, {"MACRO", c->macro},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", c->named->algorithm->name}, {"MACRO", c->macro},
 		{"PARTS", parts}, {"ROOM", text_string(&room)}};
 
 	template_expand(&t, template_launch_limbs_in, slots, sizeof slots / sizeof *slots);

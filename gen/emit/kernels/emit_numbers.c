@@ -74,7 +74,7 @@ int emit_put_number(const struct unparser *u, real constant, struct text *out)
 	return 1;
 }
 
-void emit_numbers(const struct emission *e, const struct pass *p, const struct numbers *table, struct text *out)
+void emit_numbers(const struct emission *e, const struct function *p, const struct numbers *table, struct text *out)
 {
 	struct text numbers;
 
@@ -87,7 +87,7 @@ void emit_numbers(const struct emission *e, const struct pass *p, const struct n
 		text_put(&numbers, i + 1 < table->count ? ", " : "");
 	}
 	fold(&numbers, 0);
-	const struct slot slots[] = {{"T", e->numbers->value}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
+	const struct slot slots[] = {{"T", e->numbers->value}, {"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"COUNT", emit_int(e, table->count)}, {"NUMBERS", text_string(&numbers)}};
 
 	template_expand(out, template_numbers_in, slots, sizeof slots / sizeof *slots);

@@ -8,7 +8,7 @@
 #include "emit/kernels/emit_relay.h"
 #include "plan/tiles/tiles.h"
 
-void emit_put_sample_call(const struct emission *e, const struct pass *p, const char *function, const char *more, struct text *out)
+void emit_put_sample_call(const struct emission *e, const struct function *p, const char *function, const char *more, struct text *out)
 {
 	text_printf(out, "%s%s_%s_%s(%s, stride%s%s);", emit_has_known(e) ? "all_small &= " : "", e->options->name, p->algorithm->name,
 		function, emit_params(e, emit_main(e), PARAMS_NAMES), more, emit_handed_on(e, emit_known_names(e)));
@@ -25,7 +25,7 @@ const char *emit_along(const struct emission *e, int parts)
 }
 
 /* Does it read what a hand has left in an output? */
-static int is_handed(const struct pass *p)
+static int is_handed(const struct function *p)
 {
 	for (size_t i = 0; i < p->dag.count && p->stretches; i++)
 		if (p->dag.nodes[i].op == OP_INPUT && p->dag.arguments[p->dag.nodes[i].arg[0].i].is_output)
@@ -33,7 +33,7 @@ static int is_handed(const struct pass *p)
 	return 0;
 }
 
-const char *emit_more_params(const struct emission *e, const struct pass *p)
+const char *emit_more_params(const struct emission *e, const struct function *p)
 {
 	struct text t;
 
@@ -49,7 +49,7 @@ const char *emit_more_params(const struct emission *e, const struct pass *p)
 	return text_string(&t);
 }
 
-const char *emit_gap(const struct emission *e, const struct pass *p, int is_staged)
+const char *emit_gap(const struct emission *e, const struct function *p, int is_staged)
 {
 	struct text t;
 
@@ -58,7 +58,7 @@ const char *emit_gap(const struct emission *e, const struct pass *p, int is_stag
 	return text_string(&t);
 }
 
-const char *emit_more(const struct emission *e, const struct pass *p, int is_staged, const char *inner, const char *handed)
+const char *emit_more(const struct emission *e, const struct function *p, int is_staged, const char *inner, const char *handed)
 {
 	const char *skip = e->options->layout == RNEAGEN_SOA ? ", staged ? (size_t)(%d - %d) : 0" : ", staged ? RNEA_BLOCK*%d - %d : 0";
 	struct text t;
@@ -120,7 +120,7 @@ const char *emit_launch_hands(const struct emission *e)
 	text_init(&t, e->arena);
 	for (int level = 0; level < levels; level++) {
 		const char *kernel = emit_hands_kernel(e, level);
-		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"KERNEL", kernel},
+		const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", emit_main(e)->algorithm->name}, {"KERNEL", kernel},
 			{"STATUS", level ? "status" : levels > 1 ? "int status" : "const int status"},
 			{"HANDS", emit_int(e, emit_hands_of(e, level))}, {"GIVEN", emit_given(e, kernel)}};
 
@@ -130,7 +130,7 @@ const char *emit_launch_hands(const struct emission *e)
 }
 
 /* A call of a part's body where the arrays are the sample's own. */
-static void put_part_call(const struct emission *e, const struct pass *p, struct text *out)
+static void put_part_call(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct dag *d = &emit_main(e)->dag;
 	struct text handed;
@@ -143,7 +143,7 @@ static void put_part_call(const struct emission *e, const struct pass *p, struct
 /* The body that calls the parts'. */
 void emit_dispatcher(const struct emission *e, struct text *out)
 {
-	const struct pass *p = emit_main(e);
+	const struct function *p = emit_main(e);
 	struct text cases, calls;
 
 	text_init(&cases, e->arena);
@@ -151,19 +151,19 @@ void emit_dispatcher(const struct emission *e, struct text *out)
 	emit_relay_before(e, &calls);
 	for (int i = 0; i < e->part_count; i++) {
 		text_printf(&cases, "%s\tcase %d:\n\t\t", i ? "\n" : "", i);
-		put_part_call(e, &e->parts[i].pass, &cases);
+		put_part_call(e, &e->parts[i].function, &cases);
 		text_put(&cases, "\n\t\tbreak;");
 		text_put(&calls, i ? "\n\t" : "\t");
-		put_part_call(e, &e->parts[i].pass, &calls);
+		put_part_call(e, &e->parts[i].function, &calls);
 	}
 	emit_relay_after(e, &calls);
-	const struct slot slots[] = {{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"PASS", p->algorithm->name},
+	const struct slot slots[] = {{"DOC", p->algorithm->doc}, {"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)},
 		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"RETURNS", emit_has_known(e) ? EMIT_RETURNS : ""},
 		{"BEGIN", emit_has_known(e) ? "\tint all_small = 1;" : ""},
 		{"END", emit_has_known(e) ? "\treturn all_small;" : ""}, {"COUNT", emit_int(e, e->part_count)},
 		{"PARTS", e->part_count > 1 ? "In parts that share nothing, one after the other; in a kernel each block makes one of them." :
-			e->parts->pass.each ? "In one part, with loops over limbs that are alike." :
+			e->parts->function.each ? "In one part, with loops over limbs that are alike." :
 			"In one part; a kernel makes some of the motion again instead of keeping it."},
 		{"CASES", text_string(&cases)}, {"CALLS", text_string(&calls)}};
 	size_t from = out->length;

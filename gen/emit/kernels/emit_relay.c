@@ -8,17 +8,17 @@
 #include "plan/stage.h"
 #include <stdlib.h>
 
-static const struct pass *start_of(const struct emission *e)
+static const struct function *start_of(const struct emission *e)
 {
-	return &e->relay->start.pass;
+	return &e->relay->start.function;
 }
 
-static const struct pass *solve_of(const struct emission *e)
+static const struct function *solve_of(const struct emission *e)
 {
-	return &e->relay->solve.pass;
+	return &e->relay->solve.function;
 }
 
-static int slots_of(const struct pass *p)
+static int slots_of(const struct function *p)
 {
 	return p->segments.slots[0] ? p->segments.slots[0] : 1;
 }
@@ -31,7 +31,7 @@ int emit_relay_bytes(const struct emission *e)
 /* ---- compiled as C ---- */
 
 /* Those that are no loops. */
-static void put_segment_calls(const struct emission *e, const struct pass *p, struct text *out)
+static void put_segment_calls(const struct emission *e, const struct function *p, struct text *out)
 {
 	text_printf(out, "\t\t%s across[%d];\n\n", e->numbers->value, slots_of(p));
 	for (int k = 0; k < p->segments.count - p->dag.loop_count; k++) {
@@ -50,7 +50,7 @@ void emit_relay_before(const struct emission *e, struct text *out)
 	if (!e->relay)
 		return;
 	for (int i = 0; i < e->relay->start_count; i++) {
-		const struct pass *p = &e->relay->starts[i].pass;
+		const struct function *p = &e->relay->starts[i].function;
 
 		text_put(out, "\t");
 		emit_put_sample_call(e, p, "body", emit_more(e, p, 0, "stride", ""), out);
@@ -116,7 +116,7 @@ static const char *loops_text(const struct emission *e)
 	for (const struct column_run *r = d->runs; r < d->runs + d->run_count; r = end, first = next) {
 		for (end = r, next = first; end < d->runs + d->run_count && end->loop == r->loop; next += end++->count)
 			;
-		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", solve_of(e)->algorithm->name}, {"T", e->memory->type},
+		const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", solve_of(e)->algorithm->name}, {"T", e->memory->type},
 			{"FIRST", emit_int(e, first)}, {"END", emit_int(e, next)}, {"LOOP", emit_int(e, r->loop)},
 			{"COLUMN", column_text(e, r, end, first)}};
 
@@ -139,8 +139,8 @@ static const char *solve_call(const struct emission *e)
 
 void emit_relay_solve(const struct emission *e, struct text *out)
 {
-	const struct pass *p = solve_of(e);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"T", e->numbers->value},
+	const struct function *p = solve_of(e);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"T", e->numbers->value},
 		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"RETURN", emit_has_known(e) ? "return " : ""},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
 		{"KNOWN_PARAM", emit_known_params(e)}, {"KNOWN", emit_handed_on(e, emit_known_names(e))},
@@ -152,11 +152,11 @@ void emit_relay_solve(const struct emission *e, struct text *out)
 
 const char *emit_launch_relay(const struct emission *e)
 {
-	const struct pass *p = emit_main(e);
+	const struct function *p = emit_main(e);
 	struct text t;
 
 	text_init(&t, e->arena);
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},
 		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"ROOM", emit_int(e, e->relay ? e->relay->room : 0)},
@@ -169,14 +169,14 @@ const char *emit_launch_relay(const struct emission *e)
 
 const char *emit_launch_head(const struct emission *e)
 {
-	const char *pass = emit_main(e)->algorithm->name;
+	const char *function = emit_main(e)->algorithm->name;
 	struct text t;
 
 	text_init(&t, e->arena);
 	if (e->relay)
-		text_printf(&t, "/* The second kernel. */\nstatic int %s_%s_launch_columns", e->options->name, pass);
+		text_printf(&t, "/* The second kernel. */\nstatic int %s_%s_launch_columns", e->options->name, function);
 	else
 		text_printf(&t, "/* Run the kernel on device pointers in the caller's stream (a cudaStream_t); returns the cudaError_t. */\n"
-			"extern \"C\" int %s_%s_launch", e->options->name, pass);
+			"extern \"C\" int %s_%s_launch", e->options->name, function);
 	return text_string(&t);
 }

@@ -8,7 +8,7 @@
    and 2487; romeo in f64, 2 and 4 take 526 and 546. */
 enum { MOST_SINGLE = 4, MOST_DOUBLE = 2, LARGEST_BLOCK = 64 };
 
-int emit_segments_bytes(const struct emission *e, const struct pass *p)
+int emit_segments_bytes(const struct emission *e, const struct function *p)
 {
 	int bytes = emit_across_bytes(e, &p->segments);
 
@@ -20,12 +20,12 @@ int emit_segments_samples(const struct emission *e)
 	return e->arithmetic->bytes == 4 ? MOST_SINGLE : MOST_DOUBLE;
 }
 
-int emit_segments_block(const struct emission *e, const struct pass *p)
+int emit_segments_block(const struct emission *e, const struct function *p)
 {
 	return LARGEST_BLOCK * 2 * emit_segments_bytes(e, p) > SHARED_BYTES ? WARP_THREADS : LARGEST_BLOCK;
 }
 
-static const char *loops_in_kernel(const struct emission *e, const struct pass *p)
+static const char *loops_in_kernel(const struct emission *e, const struct function *p)
 {
 	int has_angles = emit_has_known(e) && emit_has_angles(e, p);
 	const char *at_sample = emit_at_sample(e, p);
@@ -33,7 +33,7 @@ static const char *loops_in_kernel(const struct emission *e, const struct pass *
 
 	text_init(&t, e->arena);
 	for (int k = 0; k < p->segments.count; k++) {
-		const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
+		const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 			{"FROM", has_angles ? "from" : "0"}, {"TO", has_angles ? "to" : "each"},
 			{"LARGE", has_angles ? "large |= (unsigned)!" : ""}, {"SHIFT", has_angles ? " << j" : ""},
 			{"AT_SAMPLE", at_sample}, {"ACROSS", emit_across(e, &p->segments, ACROSS_AT_THREAD)},
@@ -44,7 +44,7 @@ static const char *loops_in_kernel(const struct emission *e, const struct pass *
 	return text_string(&t);
 }
 
-static const char *rounds_in_kernel(const struct emission *e, const struct pass *p)
+static const char *rounds_in_kernel(const struct emission *e, const struct function *p)
 {
 	const char *loops = loops_in_kernel(e, p);
 	struct text t;
@@ -56,9 +56,9 @@ static const char *rounds_in_kernel(const struct emission *e, const struct pass 
 	return text_string(&t);
 }
 
-void emit_segments_kernel(const struct emission *e, const struct pass *p, struct text *out)
+void emit_segments_kernel(const struct emission *e, const struct function *p, struct text *out)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", p->algorithm->name},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
 		{"MOST", emit_int(e, emit_segments_samples(e))}, {"BYTES", emit_int(e, emit_segments_bytes(e, p))},
 		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)},

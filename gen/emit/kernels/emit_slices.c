@@ -182,7 +182,7 @@ enum { JOINED_WORDS = 240, JOINED_MEET = 4 };
 
 int emit_is_joined(const struct emission *e)
 {
-	const struct stretches *s = emit_is_apart(e) && e->part_count == 1 ? e->parts->pass.stretches : NULL;
+	const struct stretches *s = emit_is_apart(e) && e->part_count == 1 ? e->parts->function.stretches : NULL;
 	int rows = s && s->period ? PERIODS * s->period : 0;
 
 	return rows && s->own[s->divided]->rows == s->period && rows * e->memory->bytes <= 4 * JOINED_WORDS &&
@@ -191,7 +191,7 @@ int emit_is_joined(const struct emission *e)
 
 int emit_moves_some(const struct emission *e)
 {
-	const struct stretches *s = emit_is_apart(e) ? e->parts->pass.stretches : NULL;
+	const struct stretches *s = emit_is_apart(e) ? e->parts->function.stretches : NULL;
 
 	for (int i = 0; s && i < arguments_of(e)->argument_count; i++)
 		if (!arguments_of(e)->arguments[i].per_batch && is_some(e, s, i, 0) && !(s->period && i == s->divided && emit_is_joined(e)))

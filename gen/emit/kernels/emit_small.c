@@ -38,8 +38,8 @@ static int kernels_ask(const struct emission *e)
 {
 	if (e->relay)
 		return 1;
-	for (int i = 0; i < e->pass_count; i++)
-		if (emit_has_angles(e, &e->passes[i]) && (i || !(emit_is_optimistic(e) || emit_is_apart(e) || emit_asks_by_parts(e) || e->passes[i].segments.count)))
+	for (int i = 0; i < e->function_count; i++)
+		if (emit_has_angles(e, &e->functions[i]) && (i || !(emit_is_optimistic(e) || emit_is_apart(e) || emit_asks_by_parts(e) || e->functions[i].segments.count)))
 			return 1;
 	return 0;
 }
@@ -102,13 +102,13 @@ void emit_part_small(const struct emission *e, const struct part *part, struct t
 	struct text name;
 
 	text_init(&name, e->arena);
-	text_printf(&name, "%s_%s", e->options->name, part->pass.algorithm->name);
-	if (emit_has_known(e) && emit_has_angles(e, &part->pass))
-		put_small(e, "a part", text_string(&name), tiles_rows(&part->pass)->own[0], out);
+	text_printf(&name, "%s_%s", e->options->name, part->function.algorithm->name);
+	if (emit_has_known(e) && emit_has_angles(e, &part->function))
+		put_small(e, "a part", text_string(&name), tiles_rows(&part->function)->own[0], out);
 }
 
 /* Of each run of the rows that a part reads. */
-static void put_column_small(const struct emission *e, const struct pass *p, struct text *out)
+static void put_column_small(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct dag *d = &p->dag;
 	char *is_read = arena_alloc(e->arena, (size_t)e->tree->nq + 1, 1);
@@ -137,7 +137,7 @@ static int has_parts_small(const struct emission *e)
 void emit_parts_small(const struct emission *e, int is_alone, struct text *out)
 {
 	for (int i = 0; i < e->part_count && has_parts_small(e) && is_alone == emit_is_optimistic(e); i++)
-		put_column_small(e, &e->parts[i].pass, out);
+		put_column_small(e, &e->parts[i].function, out);
 }
 
 void emit_part_asks(const struct emission *e, struct text *out)
@@ -149,8 +149,8 @@ void emit_part_asks(const struct emission *e, struct text *out)
 	text_init(&cases, e->arena);
 	for (int i = 0; i < e->part_count; i++)
 		text_printf(&cases, "\tcase %d:\n\t\treturn %s_%s_is_small(q, stride%s);\n", i, e->options->name,
-			e->parts[i].pass.algorithm->name, tiles_divide_q(&e->parts[i].pass) ? ", 0" : "");
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", emit_main(e)->algorithm->name}, {"T", e->memory->type},
+			e->parts[i].function.algorithm->name, tiles_divide_q(&e->parts[i].function) ? ", 0" : "");
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", emit_main(e)->algorithm->name}, {"T", e->memory->type},
 		{"CASES", text_string(&cases)}};
 
 	template_expand(out, template_parts_small_in, slots, sizeof slots / sizeof *slots);

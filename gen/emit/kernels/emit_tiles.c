@@ -26,7 +26,7 @@ static int add_divided(const struct stretches *s, struct tile_move *list)
 }
 
 /* Returns how many there are, of inputs or of outputs. */
-static int find_moves(const struct pass *p, int is_output, struct tile_move list[MOVES_LIMIT])
+static int find_moves(const struct function *p, int is_output, struct tile_move list[MOVES_LIMIT])
 {
 	const struct stretches *s = p->tiles;
 	int count = 0;
@@ -66,7 +66,7 @@ int emit_alone_block(const struct emission *e)
 	int most = 0;
 
 	for (int i = 0; i < emit_part_places(e); i++) {
-		const struct pass *p = emit_part(e, i);
+		const struct function *p = emit_part(e, i);
 		int words = p->tiles ? tiles_words(p, e->options) : 0;
 
 		most = words > most ? words : most;
@@ -87,7 +87,7 @@ void emit_info_tiles(const struct emission *e, struct text *out)
 /* ---- a kernel ---- */
 
 /* A line for each, and the bytes of a sample. */
-static const char *moves_text(const struct emission *e, const struct pass *p, int is_output, int *rows)
+static const char *moves_text(const struct emission *e, const struct function *p, int is_output, int *rows)
 {
 	const struct tiles t = find_tiles(e);
 	struct tile_move list[MOVES_LIMIT];
@@ -105,7 +105,7 @@ static const char *moves_text(const struct emission *e, const struct pass *p, in
 	return text_string(&lines);
 }
 
-static const char *leave_text(const struct emission *e, const struct pass *p)
+static const char *leave_text(const struct emission *e, const struct function *p)
 {
 	int rows = 0;
 	const struct slot slots[] = {{"TILES", moves_text(e, p, 1, &rows)}};
@@ -119,12 +119,12 @@ static const char *leave_text(const struct emission *e, const struct pass *p)
 
 void emit_tiled_kernel(const struct emission *e, const struct tiled_kernel *k, struct text *out)
 {
-	const struct pass *p = k->pass;
+	const struct function *p = k->function;
 	const struct slices s = emit_slices(e, p->tiles, "RNEA_PART_BLOCK");
 	int rows = 0, are_inputs = tiles_are_inputs(p);
 	const struct call call = {.indent = "\t\t", .arguments = s.here, .q = "q_here", .stride = are_inputs ? "count" : "RNEA_PART_BLOCK",
 		.q_stride = "RNEA_PART_BLOCK", .part = k->part, .is_staged = 1, .is_tiled = 1, .handed = k->handed};
-	const struct slot slots[] = {{"NAME", e->options->name}, {"PASS", k->name}, {"T", e->memory->type},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", k->name}, {"T", e->memory->type},
 		{"PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"SPILL", k->spill},
 		{"WORDS", emit_int(e, tiles_words(p, e->options))}, {"SLICES", s.slices}, {"TILES", moves_text(e, p, 0, &rows)},
 		{"BYTES", emit_int(e, rows * e->memory->bytes)}, {"POINTERS", s.pointers}, {"ZEROS", k->zeros},

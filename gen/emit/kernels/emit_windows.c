@@ -25,19 +25,19 @@ static const char *windowed_arguments(const struct emission *e)
 	return text_string(&t);
 }
 
-void emit_windowed(const struct emission *e, const struct pass *p, struct text *out)
+void emit_windowed(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct call call = {.indent = "\t", .arguments = windowed_arguments(e), .q = emit_q_at_sample(e), .stride = "1"};
 	const struct slot slots[] = {
-		{"NAME", e->options->name}, {"PASS", p->algorithm->name}, {"SPILL", emit_spill(e)},
+		{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"SPILL", emit_spill(e)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", emit_call(e, p, &call)},
 	};
 
 	template_expand(out, e->target->kernel->windowed, slots, sizeof slots / sizeof *slots);
 }
 
-/* The number of a pass's first run among all. */
-static int first_run(const struct emission *e, const struct pass *p)
+/* The number of a function's first run among all. */
+static int first_run(const struct emission *e, const struct function *p)
 {
 	int runs = 0;
 
@@ -47,7 +47,7 @@ static int first_run(const struct emission *e, const struct pass *p)
 	return runs;
 }
 
-void emit_put_flush(const struct emission *e, const struct pass *p, int flush, struct text *out)
+void emit_put_flush(const struct emission *e, const struct function *p, int flush, struct text *out)
 {
 	const struct windows *w = &p->windows;
 	const struct window_flush *f = &w->flushes[flush];

@@ -305,11 +305,11 @@ static int build(struct part *p, const struct dag *share, int joints, const char
 	struct arena *a)
 {
 	if (joints)
-		again_make(&p->pass.dag, share, x->tree, joints, NULL, a);
+		again_make(&p->function.dag, share, x->tree, joints, NULL, a);
 	else
-		p->pass.dag = *share;
+		p->function.dag = *share;
 	p->joints = joints;
-	return !p->pass.dag.failed && part_plan(p, name, doc, x, a) && part_order(p, x, a);
+	return !p->function.dag.failed && part_plan(p, name, doc, x, a) && part_order(p, x, a);
 }
 
 /* What a length costs, and values that wait. */
@@ -327,8 +327,8 @@ static int cost_of(struct cost *c, const struct dag *share, int joints, const st
 	arena_init(&spare, x->options->allocator);
 	is_built = build(&p, share, joints, "", "", x, &spare);
 	if (is_built) {
-		c->waits = plan_waits(&p.pass.plan, ROOM, &spare);
-		c->operations = plan_flops(plan_operations(&p.pass.plan)) + COST_BEYOND * (double)c->waits.beyond;
+		c->waits = plan_waits(&p.function.plan, ROOM, &spare);
+		c->operations = plan_flops(plan_operations(&p.function.plan)) + COST_BEYOND * (double)c->waits.beyond;
 	}
 	arena_free(&spare);
 	return is_built;

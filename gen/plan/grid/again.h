@@ -19,7 +19,7 @@ int again_is_ordered(const struct tree *t);
 /* Can it serve this text: a vjp of torques, in f64, whose kernels have parts? */
 int again_serves(const struct parts_of *x);
 
-/* A pass of its own of the share of an owner, its lines ordered, with stretches of the length that costs least: p->joints, or
+/* A function of its own of the share of an owner, its lines ordered, with stretches of the length that costs least: p->joints, or
    0 where all is kept. Returns 0 when memory runs out. */
 int again_build(struct part *p, struct share *share, int owner, const char *name, const char *doc, const struct parts_of *x,
 	struct arena *a);

@@ -105,7 +105,7 @@ static unsigned operations_of(const struct parts_of *x)
 static int are_staged(const struct part *parts, int count, const struct rneagen_options *o)
 {
 	for (int i = 0; i < count; i++)
-		if (!stage_has_room(stretches_words(parts[i].pass.stretches, &parts[i].pass.dag, o), o))
+		if (!stage_has_room(stretches_words(parts[i].function.stretches, &parts[i].function.dag, o), o))
 			return 0;
 	return 1;
 }
@@ -114,7 +114,7 @@ static int are_staged(const struct part *parts, int count, const struct rneagen_
 static int are_written(const struct part *parts, int count)
 {
 	for (int i = 0; i < count; i++)
-		if (!stretches_are_written(parts[i].pass.stretches, &parts[i].pass.dag))
+		if (!stretches_are_written(parts[i].function.stretches, &parts[i].function.dag))
 			return 0;
 	return 1;
 }
@@ -151,9 +151,9 @@ static int find_places(int *can, const struct part *parts, int count, const stru
 	*can = 1;
 	if (!has_places(x))
 		return 1;
-	*can = parts->pass.stretches->period && are_staged(parts, count, x->options) && are_written(parts, count);
+	*can = parts->function.stretches->period && are_staged(parts, count, x->options) && are_written(parts, count);
 	for (int i = 0, serves; i < count && *can; i++) {
-		if (!places_serve(&serves, &parts[i].pass, parts[i].pass.stretches, a))
+		if (!places_serve(&serves, &parts[i].function, parts[i].function.stretches, a))
 			return 0;
 		*can = serves;
 	}
@@ -170,8 +170,8 @@ static void name_bodies(struct part *p, const struct tree *t)
 {
 	struct stretch rows = {0};
 
-	for (size_t i = 0; i < p->pass.dag.output_count; i++)
-		stretch_widen(&rows, p->pass.dag.outputs[i].row % t->nv);
+	for (size_t i = 0; i < p->function.dag.output_count; i++)
+		stretch_widen(&rows, p->function.dag.outputs[i].row % t->nv);
 	for (int k = t->body_count; k-- > 0;)
 		if (t->bodies[k].iv >= rows.first && t->bodies[k].iv < rows.first + rows.rows) {
 			p->first = k;
@@ -201,13 +201,13 @@ static int set_rows(struct part *p, make_stretches *make, const struct parts_of 
 
 	if (!rows)
 		return 0;
-	make(rows, &p->pass.dag, request_wants_derivative(x->request) ? x->tree->nv : 0);
-	p->pass.stretches = rows;
+	make(rows, &p->function.dag, request_wants_derivative(x->request) ? x->tree->nv : 0);
+	p->function.stretches = rows;
 	name_bodies(p, x->tree);
-	if (rows->period && !has_places(x) && !places_serve(&serves, &p->pass, rows, a))
+	if (rows->period && !has_places(x) && !places_serve(&serves, &p->function, rows, a))
 		return 0;
 	if (!serves)
-		make(rows, &p->pass.dag, 0);
+		make(rows, &p->function.dag, 0);
 	return 1;
 }
 
@@ -301,7 +301,7 @@ static int do_serve(const struct part *parts, int count, int is_full, const stru
 	if (are_staged(parts, count, x->options) && !are_written(parts, count))
 		return 0;
 	for (const struct part *p = parts; p < parts + count; p++)
-		if (plan_flops(plan_operations(&p->pass.plan)) > most)
+		if (plan_flops(plan_operations(&p->function.plan)) > most)
 			return 0;
 	return turns_serve(parts, count, x->raw->arguments[parts_handed(x->raw)].rows, a);
 }
@@ -341,9 +341,9 @@ static int may_loop(const struct parts_of *x, struct arena *a)
 /* Are most operations in loops, and does what it holds have more room there? */
 static int loops_pay(const struct part *p, const struct parts_of *x, struct arena *a)
 {
-	unsigned all = plan_flops(part_operations(p)), once = plan_flops(plan_operations(&p->pass.each->plan));
+	unsigned all = plan_flops(part_operations(p)), once = plan_flops(plan_operations(&p->function.each->plan));
 
-	if (p->pass.each->loops->limbs * (double)(all - once) < LOOPS_SHARE * all)
+	if (p->function.each->loops->limbs * (double)(all - once) < LOOPS_SHARE * all)
 		return 0;
 	return x->options->precision == RNEAGEN_F64 || !request_wants_derivative(x->request) ||
 		p->alive <= LOOPS_LEFT * plan_alive(&x->whole->plan, a);
@@ -364,7 +364,7 @@ static int make_loops(struct part **parts, int *count, const struct parts_of *x,
 	if (!part_build_share(p, &share, 0, 1, text_string(&name), "The whole, with loops over limbs that are alike.", x, a) ||
 		(request_wants_derivative(x->request) && !part_order(p, x, a)) || !set_rows(p, stretches_make_whole, x, a) || !each_make(p, x, a))
 		return 0;
-	*count = p->pass.each && are_staged(p, 1, x->options) && are_written(p, 1) && loops_pay(p, x, spare);
+	*count = p->function.each && are_staged(p, 1, x->options) && are_written(p, 1) && loops_pay(p, x, spare);
 	return 1;
 }
 

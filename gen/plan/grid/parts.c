@@ -134,17 +134,17 @@ static int choose_count(struct splitter *s, int *first)
 int part_plan(struct part *p, const char *name, const char *doc, const struct parts_of *x, struct arena *a)
 {
 	p->algorithm = (struct algorithm){.name = name, .doc = doc};
-	p->pass.algorithm = &p->algorithm;
-	if (!plan_build(&p->pass.plan, &p->pass.dag, x->tree, a))
+	p->function.algorithm = &p->algorithm;
+	if (!plan_build(&p->function.plan, &p->function.dag, x->tree, a))
 		return 0;
-	p->alive = plan_alive(&p->pass.plan, a);
+	p->alive = plan_alive(&p->function.plan, a);
 	return !a->failed;
 }
 
 int part_build(struct part *p, const struct dag *raw, const char *name, const char *doc, const struct parts_of *x, struct arena *a)
 {
-	dag_init(&p->pass.dag, a);
-	dag_fuse(&p->pass.dag, raw, x->options->strict);
+	dag_init(&p->function.dag, a);
+	dag_fuse(&p->function.dag, raw, x->options->strict);
 	return part_plan(p, name, doc, x, a);
 }
 
@@ -164,9 +164,9 @@ int part_build_share(struct part *p, struct share *share, int first, int end, co
 
 int part_order(struct part *p, const struct parts_of *x, struct arena *a)
 {
-	if (!plan_order(&p->pass, x->tree, x->request, x->options, ORDERED_PART, a))
+	if (!plan_order(&p->function, x->tree, x->request, x->options, ORDERED_PART, a))
 		return 0;
-	p->alive = plan_alive(&p->pass.plan, a);
+	p->alive = plan_alive(&p->function.plan, a);
 	return !a->failed;
 }
 
@@ -272,7 +272,7 @@ int parts_alive(const struct part *parts, int count)
 
 struct operation_count part_operations(const struct part *p)
 {
-	return p->pass.each ? each_operations(p->pass.each) : plan_operations(&p->pass.plan);
+	return p->function.each ? each_operations(p->function.each) : plan_operations(&p->function.plan);
 }
 
 struct operation_count parts_operations(const struct part *parts, int count, const struct plan *whole)
@@ -286,7 +286,7 @@ struct operation_count parts_operations(const struct part *parts, int count, con
 	return sum;
 }
 
-void parts_dump(const struct part *parts, int count, const struct pass *whole, const struct tree *t, struct text *out)
+void parts_dump(const struct part *parts, int count, const struct function *whole, const struct tree *t, struct text *out)
 {
 	if (!count)
 		text_printf(out, "whole: %u flops\n", plan_flops(plan_operations(&whole->plan)));
@@ -295,8 +295,8 @@ void parts_dump(const struct part *parts, int count, const struct pass *whole, c
 			t->bodies[parts[i].last].number, plan_flops(part_operations(&parts[i])), parts[i].alive);
 		if (parts[i].joints)
 			text_printf(out, ", motion made again by stretches of at most %d joints", parts[i].joints);
-		if (parts[i].pass.each)
-			text_printf(out, ", alike limbs in %d loops", parts[i].pass.each->loops->count);
+		if (parts[i].function.each)
+			text_printf(out, ", alike limbs in %d loops", parts[i].function.each->loops->count);
 		text_putc(out, '\n');
 	}
 }

@@ -16,12 +16,12 @@ struct part {
 	int level;       /* of which of these */
 	int joints;      /* motion is made again, in stretches of so many joints (again.h); 0: it is kept */
 	struct algorithm algorithm;
-	struct pass pass;
+	struct function function;
 };
 
 /* What is divided. */
 struct parts_of {
-	const struct pass *whole;
+	const struct function *whole;
 	const struct dag *raw; /* the whole as the algorithm made it */
 	const struct tree *tree;
 	const struct request *request;
@@ -34,7 +34,7 @@ struct parts_of {
 /* Are they those of apart.h, limbs that share nothing or hands? Then each has a slice of its own, and the whole serves small batches. */
 static inline int parts_are_apart(const struct part *parts, int count)
 {
-	return count && parts[0].pass.stretches != NULL;
+	return count && parts[0].function.stretches != NULL;
 }
 
 /* The array in whose rows parts leave what they hand on to others (hands.h): the last one. */
@@ -53,7 +53,7 @@ int parts_alive(const struct part *parts, int count);
    does. One part: its motion is made again, or it is a relay's. Errors: USAGE, MEMORY. */
 enum rneagen_code parts_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a, struct rneagen_error *e);
 
-/* A pass of its own with the name and the comment, whose DAG is made; or of a DAG, or of the share of some owners. Returns 0 when memory
+/* A function of its own with the name and the comment, whose DAG is made; or of a DAG, or of the share of some owners. Returns 0 when memory
    runs out. */
 int part_plan(struct part *p, const char *name, const char *doc, const struct parts_of *x, struct arena *a);
 int part_build(struct part *p, const struct dag *raw, const char *name, const char *doc, const struct parts_of *x, struct arena *a);
@@ -71,6 +71,6 @@ struct operation_count part_operations(const struct part *p);
 struct operation_count parts_operations(const struct part *parts, int count, const struct plan *whole);
 
 /* A line for each part, or for the whole where there are none. */
-void parts_dump(const struct part *parts, int count, const struct pass *whole, const struct tree *t, struct text *out);
+void parts_dump(const struct part *parts, int count, const struct function *whole, const struct tree *t, struct text *out);
 
 #endif

@@ -72,7 +72,7 @@ static size_t row_under(const struct last_lines *x, const struct stretches *s, c
 	return x->first[place] + (size_t)(is_divided ? o->row % s->period + s->shift : o->row);
 }
 
-int places_serve(int *serves, const struct pass *p, const struct stretches *s, struct arena *a)
+int places_serve(int *serves, const struct function *p, const struct stretches *s, struct arena *a)
 {
 	const struct plan *plan = &p->plan;
 	struct last_lines x = {0};

@@ -89,14 +89,14 @@ static int build_alone(struct dag *d, const struct request *alone, const struct 
 /* In parts where limbs share nothing, else in segments where that pays. */
 static int divide_start(struct relay *r, const struct dag *raw, const struct request *alone, const struct parts_of *x, struct arena *a)
 {
-	const struct parts_of own = {.whole = &r->start.pass, .raw = raw, .tree = x->tree, .request = alone, .options = x->options,
+	const struct parts_of own = {.whole = &r->start.function, .raw = raw, .tree = x->tree, .request = alone, .options = x->options,
 		.has_kernels = 1};
 
 	if (raw && !apart_make(&r->starts, &r->start_count, &own, a))
 		return 0;
 	if (x->options->precision == RNEAGEN_F64 && parts_alive(r->starts, r->start_count) > START_ALIVE_DOUBLE)
 		r->start_count = 0;
-	return r->start_count || segments_choose(&r->start.pass, SEGMENT_KERNEL, alone, x->options, a);
+	return r->start_count || segments_choose(&r->start.function, SEGMENT_KERNEL, alone, x->options, a);
 }
 
 static int build_start(struct relay *r, struct share *share, const char *name, const struct parts_of *x, struct arena *spare,
@@ -116,8 +116,8 @@ static int build_start(struct relay *r, struct share *share, const char *name, c
 	if (is_alone ? raw.failed || !part_build(&r->start, &raw, name, doc, x, a)
 		     : !part_build_share(&r->start, share, START, START + 1, name, doc, x, a))
 		return 0;
-	drop_loops(&r->start.pass.dag);
-	return plan_order(&r->start.pass, x->tree, &alone, x->options, ORDERED_WHOLE, a) &&
+	drop_loops(&r->start.function.dag);
+	return plan_order(&r->start.function, x->tree, &alone, x->options, ORDERED_WHOLE, a) &&
 		divide_start(r, is_alone ? &raw : NULL, &alone, x, a);
 }
 
@@ -128,7 +128,7 @@ static int build_solve(struct relay *r, struct share *share, const char *name, c
 	static const char doc[] = "The factors of M, and d qdd = M^-1 of the columns that stand in its place.";
 
 	return part_build_share(&r->solve, share, SOLVE, KERNELS, name, doc, x, a) &&
-		segments_make(&r->solve.pass.segments, &r->solve.pass.plan, &limits, a);
+		segments_make(&r->solve.function.segments, &r->solve.function.plan, &limits, a);
 }
 
 /* All parts of the second kernel together. */
@@ -164,7 +164,7 @@ static int build(struct relay *r, const struct dag *raw, struct dag *columns, co
 
 int relay_bytes(const struct relay *r, const struct rneagen_options *o)
 {
-	return r->solve.pass.segments.slots[0] * stage_number_bytes(o) * WARP_THREADS;
+	return r->solve.function.segments.slots[0] * stage_number_bytes(o) * WARP_THREADS;
 }
 
 /* As many warps as keep the registers of a multiprocessor busy, where shared memory has room for few blocks. Each block makes
@@ -186,7 +186,7 @@ static void set_grid(struct relay *r, const struct rneagen_options *o)
 /* Each loop has a segment of its own, which reads nothing but columns and what goes across; and there are columns. */
 static int is_closed(const struct relay *r)
 {
-	const struct pass *p = &r->solve.pass;
+	const struct function *p = &r->solve.function;
 
 	if (!p->dag.run_count || p->segments.count != p->dag.loop_count + 1)
 		return 0;
@@ -240,7 +240,7 @@ enum rneagen_code relay_or_parts(struct relay **relay, struct part **parts, int 
 }
 
 /* A loop's body counts for each of its columns. */
-static void add_solve(struct operation_count *sum, const struct pass *p)
+static void add_solve(struct operation_count *sum, const struct function *p)
 {
 	const struct dag *d = &p->dag;
 	size_t end = d->count;
@@ -263,14 +263,14 @@ struct operation_count relay_operations(const struct relay *r, const struct part
 {
 	struct operation_count sum = parts_operations(parts, count, NULL);
 
-	plan_add_operations(&sum, plan_operations(&r->start.pass.plan), 1);
-	add_solve(&sum, &r->solve.pass);
+	plan_add_operations(&sum, plan_operations(&r->start.function.plan), 1);
+	add_solve(&sum, &r->solve.function);
 	return sum;
 }
 
 int relay_columns(const struct relay *r)
 {
-	const struct dag *d = &r->solve.pass.dag;
+	const struct dag *d = &r->solve.function.dag;
 	int columns = 0;
 
 	for (int i = 0; i < d->run_count; i++)
@@ -282,16 +282,16 @@ void relay_dump(const struct relay *r, struct text *out)
 {
 	struct operation_count solve = {0};
 
-	add_solve(&solve, &r->solve.pass);
-	text_printf(out, "start: %u flops, %d values at once, parts: %d\n", plan_flops(plan_operations(&r->start.pass.plan)),
+	add_solve(&solve, &r->solve.function);
+	text_printf(out, "start: %u flops, %d values at once, parts: %d\n", plan_flops(plan_operations(&r->start.function.plan)),
 		r->start_count ? parts_alive(r->starts, r->start_count) : r->start.alive, r->start_count ? r->start_count : 1);
 	text_printf(out, "solve: %u flops, %d values for %d loops over %d columns, %d warps\n", plan_flops(solve),
-		r->solve.pass.segments.slots[0], r->solve.pass.dag.loop_count, relay_columns(r), r->warps);
+		r->solve.function.segments.slots[0], r->solve.function.dag.loop_count, relay_columns(r), r->warps);
 }
 
 int relay_limbs(struct relay *r, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
-	struct pass *start = &r->start.pass;
+	struct function *start = &r->start.function;
 
 	if (!limbs_choose(&start, 1, o, a))
 		return 0;

@@ -10,7 +10,7 @@ struct relay {
 	struct part start, solve;
 	struct part *starts;    /* start_count of them: the first kernel in parts that share nothing (apart.h); 0: it is whole */
 	int start_count;
-	struct pass between;    /* all parts of the second kernel together */
+	struct function between;    /* all parts of the second kernel together */
 	int warps;              /* of a block of the third kernel, for 32 samples */
 	int blocks;             /* of them, a multiprocessor is to have room for so many */
 	int room;               /* so many share the columns of small batches at most */

@@ -25,7 +25,7 @@ static int row_read(const struct plan *p, const struct line *l)
 /* Returns 0 where it reads a row that it has written. */
 static int mark(struct turns *x, int part)
 {
-	const struct plan *p = &x->parts[part].pass.plan;
+	const struct plan *p = &x->parts[part].function.plan;
 	unsigned char *stores = x->stores + part * x->rows, *reads = x->reads + part * x->rows;
 
 	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++) {

@@ -18,7 +18,7 @@ static int may_have_lanes(const struct request *k, const struct rneagen_options 
 }
 
 /* So many limbs side by side. Returns 0 where none are alike. */
-static int build_limbs(struct dag *d, const struct pass *p, const struct request *k, int count)
+static int build_limbs(struct dag *d, const struct function *p, const struct request *k, int count)
 {
 	struct alike limbs;
 	struct tree told;
@@ -36,23 +36,23 @@ static int build_limbs(struct dag *d, const struct pass *p, const struct request
 	return 1;
 }
 
-static int build_four(struct dag *d, const struct pass *p, const struct request *k)
+static int build_four(struct dag *d, const struct function *p, const struct request *k)
 {
 	return build_limbs(d, p, k, 4);
 }
 
-static int build_two(struct dag *d, const struct pass *p, const struct request *k)
+static int build_two(struct dag *d, const struct function *p, const struct request *k)
 {
 	return build_limbs(d, p, k, 2);
 }
 
-static int build_coordinates(struct dag *d, const struct pass *p, const struct request *k)
+static int build_coordinates(struct dag *d, const struct function *p, const struct request *k)
 {
 	return p->single && algorithm_build_looped(d, p->plan.tree, k, LOOPED_LANES);
 }
 
 /* Loops over columns are told what goes across as numbers. */
-static int loops_read_lanes(const struct pass *s)
+static int loops_read_lanes(const struct function *s)
 {
 	for (int k = s->segments.count - s->dag.loop_count; k < s->segments.count; k++) {
 		const struct plan *lines = &s->segments.plans[k];
@@ -64,12 +64,12 @@ static int loops_read_lanes(const struct pass *s)
 	return 0;
 }
 
-static unsigned count_operations(const struct pass *p)
+static unsigned count_operations(const struct function *p)
 {
 	return plan_instructions(plan_operations(&p->plan));
 }
 
-static int is_worth_it(const struct pass *s, const struct pass *other)
+static int is_worth_it(const struct function *s, const struct function *other)
 {
 	unsigned own = count_operations(s), others = count_operations(other);
 
@@ -77,12 +77,12 @@ static int is_worth_it(const struct pass *s, const struct pass *other)
 }
 
 /* What a call takes without. */
-static const struct pass *other_than(const struct pass *p)
+static const struct function *other_than(const struct function *p)
 {
 	return p->single ? p->single : p;
 }
 
-static const char *name_of(const struct pass *p, struct arena *a)
+static const char *name_of(const struct function *p, struct arena *a)
 {
 	struct text t;
 
@@ -92,19 +92,19 @@ static const char *name_of(const struct pass *p, struct arena *a)
 }
 
 /* A header has no functions for loops over columns. */
-static int has_place(const struct pass *s, const struct rneagen_options *o)
+static int has_place(const struct function *s, const struct rneagen_options *o)
 {
 	return o->target != RNEAGEN_TARGET_HEADER || !s->dag.loop_count;
 }
 
 /* p->beside: of all ways the one with the fewest operations. */
-static int make_beside(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
+static int make_beside(struct function *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
 	static segments_build *const builds[] = {build_four, build_two, build_coordinates};
 	const char *name = name_of(p, a);
 
 	for (size_t i = 0; i < sizeof builds / sizeof *builds; i++) {
-		struct pass *s;
+		struct function *s;
 
 		if (!segments_once_more(&s, p, builds[i], name, k, o, a))
 			return 0;
@@ -116,7 +116,7 @@ static int make_beside(struct pass *p, const struct request *k, const struct rne
 	return !a->failed;
 }
 
-int lanes_single(struct pass *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
+int lanes_single(struct function *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
 	if (!segments_single(p, k, o, a) || (!o->only && !segments_many(p, k, o, a)))
 		return 0;

@@ -132,7 +132,7 @@ static const unsigned char *find_loops(const struct dag *d, struct arena *a)
 /* ---- the whole ---- */
 
 /* Do the sines of each loop stand evenly in the table of the whole? */
-static int find_sines(const struct pass *p, const struct parts_of *x, struct arena *a)
+static int find_sines(const struct function *p, const struct parts_of *x, struct arena *a)
 {
 	const struct angles list = angles_of(&x->whole->plan, 0, a);
 
@@ -168,7 +168,7 @@ static int stand_apart(const struct stretches *s)
 
 static int may_have(const struct part *p, const struct parts_of *x)
 {
-	return stand_apart(p->pass.stretches) && x->is_unpruned && !x->options->strict && !is_for_all(x->raw);
+	return stand_apart(p->function.stretches) && x->is_unpruned && !x->options->strict && !is_for_all(x->raw);
 }
 
 /* What is tried. */
@@ -204,7 +204,7 @@ static int begin(struct trial *y, int *serves)
 }
 
 /* The lines, with motion made again in stretches of so many joints (grid/again.h); 0: it is kept. */
-static int plan_lines(struct trial *y, struct pass *p, int joints, struct arena *spare, struct arena *a)
+static int plan_lines(struct trial *y, struct function *p, int joints, struct arena *spare, struct arena *a)
 {
 	const struct parts_of *x = y->x;
 	struct dag fused;
@@ -219,7 +219,7 @@ static int plan_lines(struct trial *y, struct pass *p, int joints, struct arena 
 
 /* *serves: can the loops stand there, each behind what it takes, and can outputs take the places of inputs? Returns 0 when memory
    runs out. */
-static int make(struct trial *y, struct pass *p, int joints, int *serves, struct arena *a)
+static int make(struct trial *y, struct function *p, int joints, int *serves, struct arena *a)
 {
 	struct arena spare;
 	int done;
@@ -238,9 +238,9 @@ static int make(struct trial *y, struct pass *p, int joints, int *serves, struct
 }
 
 /* What a length costs; less than 0 where it does not serve. Returns 0 when memory runs out. */
-static int cost_of(double *cost, struct trial *y, const struct pass *of, int joints)
+static int cost_of(double *cost, struct trial *y, const struct function *of, int joints)
 {
-	struct pass p = *of;
+	struct function p = *of;
 	struct arena a;
 	int serves, done, most = 0;
 
@@ -252,7 +252,7 @@ static int cost_of(double *cost, struct trial *y, const struct pass *of, int joi
 }
 
 /* The length that costs least, where motion may be made again. Returns 0 when memory runs out. */
-static int choose_length(int *joints, struct trial *y, const struct pass *of)
+static int choose_length(int *joints, struct trial *y, const struct function *of)
 {
 	double least = -1;
 
@@ -275,13 +275,13 @@ static int choose_length(int *joints, struct trial *y, const struct pass *of)
 /* Returns 0 when memory runs out. */
 static int make_best(struct part *p, struct trial *y, struct arena *a)
 {
-	struct pass *each = arena_alloc(a, 1, sizeof *each);
+	struct function *each = arena_alloc(a, 1, sizeof *each);
 	int joints, serves;
 
 	y->loops = arena_alloc(a, 1, sizeof *y->loops);
 	if (a->failed || !begin(y, &serves))
 		return 0;
-	*each = (struct pass){.algorithm = p->pass.algorithm, .stretches = p->pass.stretches};
+	*each = (struct function){.algorithm = p->function.algorithm, .stretches = p->function.stretches};
 	if (!serves || !choose_length(&joints, y, each))
 		return !serves;
 	if (!make(y, each, joints, &serves, a))
@@ -289,7 +289,7 @@ static int make_best(struct part *p, struct trial *y, struct arena *a)
 	if (!serves)
 		return 1;
 	p->joints = joints;
-	p->pass.each = each;
+	p->function.each = each;
 	return readings_alive(&p->alive, &each->plan, a);
 }
 

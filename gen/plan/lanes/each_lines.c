@@ -2,7 +2,7 @@
 #include "plan/lanes/each.h"
 #include "plan/readings.h"
 
-int each_of_line(const struct pass *p, const struct line *l)
+int each_of_line(const struct function *p, const struct line *l)
 {
 	const struct node *n = &p->dag.nodes[l->value.i];
 
@@ -12,7 +12,7 @@ int each_of_line(const struct pass *p, const struct line *l)
 }
 
 struct gatherer {
-	const struct pass *p;
+	const struct function *p;
 	struct readings r;
 	uint32_t *left;          /* by line: loops whose lanes it takes, at once or not, by bits */
 	unsigned char *is_taken; /* by line: one to be written before a loop */
@@ -108,7 +108,7 @@ static int write_loops(struct gatherer *g, int loops)
 	return 1;
 }
 
-int each_gather(int *serves, struct pass *p, struct arena *spare, struct arena *a)
+int each_gather(int *serves, struct function *p, struct arena *spare, struct arena *a)
 {
 	size_t lines = p->plan.line_count;
 	struct gatherer g = {.p = p, .left = arena_alloc(spare, lines, sizeof *g.left), .is_taken = arena_alloc(spare, lines, 1),
@@ -124,7 +124,7 @@ int each_gather(int *serves, struct pass *p, struct arena *spare, struct arena *
 	return 1;
 }
 
-struct operation_count each_operations(const struct pass *p)
+struct operation_count each_operations(const struct function *p)
 {
 	struct operation_count sum = {0};
 

@@ -64,7 +64,7 @@ enum { MOST_BESIDE_PARTS = 256, MOST_BESIDE_QDD_F64 = 32 };
 /* Outputs that go through windows have no limbs, whose warps would write elements that stand a sample apart (64 to 4096 samples,
    both gradients of hyq, whole matrices: 21 us, through windows 8.6). */
 
-/* Kernels of long passes have the sines of all angles made before their warps part, by all threads, in one loop: a warp with 20 sines in
+/* Kernels of long functions have the sines of all angles made before their warps part, by all threads, in one loop: a warp with 20 sines in
    its lines fetches the code of each. H100, us, one sample, 32 and 1024, without and with: gradients of atlas in f64 15.9 15.9 24.1 and
    11.1 11.8 19.1, in f32 8.4 8.4 11.3 and 8.0 8.5 11.0; tau of chain_75 14.1 14.2 25.0 and 11.1 12.6 20.1, in f64 25.7 25.8 42.4 and 14.4
    16.4 25.1; qdd of atlas 6.2 6.3 11.0 and 3.8 4.5 7.8. What is made first waits: not so tau of atlas, 2.4 2.5 3.9 and 2.5 3.3 4.4, and
@@ -80,19 +80,19 @@ static unsigned number_bytes(const struct rneagen_options *o)
 	return o->precision == RNEAGEN_F32 ? 4 : 8;
 }
 
-static void take_none(struct pass *const *passes, int count)
+static void take_none(struct function *const *functions, int count)
 {
 	for (int i = 0; i < count; i++)
-		passes[i]->limbs = (struct limbs){0};
+		functions[i]->limbs = (struct limbs){0};
 }
 
 /* Not with --strict, and not other sines than accurate ones, which are short. */
-static int makes_sines_first(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a)
+static int makes_sines_first(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a)
 {
 	if (o->strict || o->trig != RNEAGEN_ACCURATE)
 		return 0;
 	for (int i = 0; i < count; i++) {
-		const struct plan *p = &passes[i]->plan;
+		const struct plan *p = &functions[i]->plan;
 		unsigned again = number_bytes(o) == 8 ? SINE_OPERATIONS * plan_operations(p).sincos : 0;
 
 		if (limbs_operations(p, a) + again >= FIRST_SINES)
@@ -102,18 +102,18 @@ static int makes_sines_first(struct pass *const *passes, int count, const struct
 }
 
 /* Returns the operations of the longest warp; 0 where one of them gains nothing. */
-static unsigned make_all(struct pass *const *passes, int count, int warps, const struct rneagen_options *o, struct arena *a)
+static unsigned make_all(struct function *const *functions, int count, int warps, const struct rneagen_options *o, struct arena *a)
 {
 	struct limbs_limits limits = {.warps = warps,
 		.across = SHARED_BYTES / WARP_THREADS / number_bytes(o) - 1, .join = JOIN_OPERATIONS,
-		.has_first_sines = makes_sines_first(passes, count, o, a)};
+		.has_first_sines = makes_sines_first(functions, count, o, a)};
 	unsigned longest = 0;
 
 	for (int i = 0; i < count; i++) {
-		struct limbs *s = &passes[i]->limbs;
+		struct limbs *s = &functions[i]->limbs;
 
-		if (!limbs_make(s, &passes[i]->plan, &limits, a) || !s->warps) {
-			take_none(passes, count);
+		if (!limbs_make(s, &functions[i]->plan, &limits, a) || !s->warps) {
+			take_none(functions, count);
 			return 0;
 		}
 		longest = s->longest > longest ? s->longest : longest;
@@ -121,23 +121,23 @@ static unsigned make_all(struct pass *const *passes, int count, int warps, const
 	return longest;
 }
 
-/* Operations of the longest pass. */
-static unsigned longest_pass(struct pass *const *passes, int count)
+/* Operations of the longest function. */
+static unsigned longest_pass(struct function *const *functions, int count)
 {
 	unsigned longest = 0;
 
 	for (int i = 0; i < count; i++)
-		longest = passes[i]->limbs.whole > longest ? passes[i]->limbs.whole : longest;
+		longest = functions[i]->limbs.whole > longest ? functions[i]->limbs.whole : longest;
 	return longest;
 }
 
 /* Words of what goes across, and of sines, of a sample: an odd number, so that lanes are in banks of their own. */
-static int words_across(struct pass *const *passes, int count)
+static int words_across(struct function *const *functions, int count)
 {
 	int most = 0;
 
 	for (int i = 0; i < count; i++) {
-		int words = passes[i]->limbs.slots + 2 * passes[i]->limbs.first.count;
+		int words = functions[i]->limbs.slots + 2 * functions[i]->limbs.first.count;
 
 		most = words > most ? words : most;
 	}
@@ -153,12 +153,12 @@ static int have_room(const struct limbs *s, int groups, int words, unsigned byte
 }
 
 /* Samples of a block at most, in warps: as many as have room in registers and in shared memory. */
-static int most_groups(struct pass *const *passes, int count, int words, unsigned bytes)
+static int most_groups(struct function *const *functions, int count, int words, unsigned bytes)
 {
-	int groups = longest_pass(passes, count) < SHORT_OPERATIONS ? 1 : GROUPS;
+	int groups = longest_pass(functions, count) < SHORT_OPERATIONS ? 1 : GROUPS;
 
 	for (int i = 0; i < count; i++)
-		if (!have_room(&passes[i]->limbs, groups, words, bytes))
+		if (!have_room(&functions[i]->limbs, groups, words, bytes))
 			groups = 1;
 	return groups;
 }
@@ -179,28 +179,28 @@ static unsigned most_samples(const struct limbs *s, unsigned whole, int words, i
 }
 
 /* What all of them have in common. */
-static void set_launch(struct pass *const *passes, int count, const struct rneagen_options *o)
+static void set_launch(struct function *const *functions, int count, const struct rneagen_options *o)
 {
-	int words = words_across(passes, count), groups = most_groups(passes, count, words, number_bytes(o));
-	unsigned most = most_samples(&passes[0]->limbs, longest_pass(passes, count), words, count, number_bytes(o));
+	int words = words_across(functions, count), groups = most_groups(functions, count, words, number_bytes(o));
+	unsigned most = most_samples(&functions[0]->limbs, longest_pass(functions, count), words, count, number_bytes(o));
 
 	for (int i = 0; i < count; i++) {
-		passes[i]->limbs.words = words;
-		passes[i]->limbs.groups = groups;
-		passes[i]->limbs.most = most;
+		functions[i]->limbs.words = words;
+		functions[i]->limbs.groups = groups;
+		functions[i]->limbs.most = most;
 	}
 }
 
-static int can_have(struct pass *const *passes, int count, const struct rneagen_options *o)
+static int can_have(struct function *const *functions, int count, const struct rneagen_options *o)
 {
 	int is_free = o->limbs == RNEAGEN_LIMBS_AUTO;
 
-	if (o->limbs == RNEAGEN_LIMBS_NONE || o->precision == RNEAGEN_F32X2 || passes[0]->windows.slots)
+	if (o->limbs == RNEAGEN_LIMBS_NONE || o->precision == RNEAGEN_F32X2 || functions[0]->windows.slots)
 		return 0;
 	for (int i = 0; i < count; i++) {
-		unsigned operations = plan_flops(plan_operations(&passes[i]->plan));
+		unsigned operations = plan_flops(plan_operations(&functions[i]->plan));
 
-		if (dag_has_wide(&passes[i]->dag) || (is_free && (operations < LEAST_OPERATIONS || operations > MOST_OPERATIONS)))
+		if (dag_has_wide(&functions[i]->dag) || (is_free && (operations < LEAST_OPERATIONS || operations > MOST_OPERATIONS)))
 			return 0;
 	}
 	return 1;
@@ -225,7 +225,7 @@ static const struct code_limits *code_limits(const struct rneagen_options *o)
 }
 
 /* Another number of warps, where that takes less than so much of the time. */
-static void try_warps(struct pass *p, int warps, unsigned percent, const struct rneagen_options *o, struct arena *a)
+static void try_warps(struct function *p, int warps, unsigned percent, const struct rneagen_options *o, struct arena *a)
 {
 	const struct code_limits *x = code_limits(o);
 	struct limbs kept = p->limbs;
@@ -235,30 +235,30 @@ static void try_warps(struct pass *p, int warps, unsigned percent, const struct 
 }
 
 /* As many warps as are best, or none. */
-static void choose_warps(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a)
+static void choose_warps(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a)
 {
-	unsigned longest = make_all(passes, count, WARPS, o, a), whole = longest_pass(passes, count);
+	unsigned longest = make_all(functions, count, WARPS, o, a), whole = longest_pass(functions, count);
 
-	if (longest && count == 1 && limbs_excess(&passes[0]->limbs, code_limits(o))) {
-		try_warps(passes[0], MORE_WARPS, 100, o, a);
-		try_warps(passes[0], FEWER_WARPS, FEWER_PERCENT, o, a);
-		longest = passes[0]->limbs.longest;
+	if (longest && count == 1 && limbs_excess(&functions[0]->limbs, code_limits(o))) {
+		try_warps(functions[0], MORE_WARPS, 100, o, a);
+		try_warps(functions[0], FEWER_WARPS, FEWER_PERCENT, o, a);
+		longest = functions[0]->limbs.longest;
 	}
 	if (10 * (longest + START + LATER) > 9 * (whole + START))
-		take_none(passes, count);
+		take_none(functions, count);
 }
 
-int limbs_choose(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a)
+int limbs_choose(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a)
 {
-	take_none(passes, count);
-	if (!can_have(passes, count, o))
+	take_none(functions, count);
+	if (!can_have(functions, count, o))
 		return 1;
 	if (o->limbs == RNEAGEN_LIMBS_AUTO)
-		choose_warps(passes, count, o, a);
+		choose_warps(functions, count, o, a);
 	else
-		make_all(passes, count, o->limbs, o, a);
-	if (passes[0]->limbs.warps)
-		set_launch(passes, count, o);
+		make_all(functions, count, o->limbs, o, a);
+	if (functions[0]->limbs.warps)
+		set_launch(functions, count, o);
 	return !a->failed;
 }
 

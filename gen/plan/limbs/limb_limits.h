@@ -4,9 +4,9 @@
 
 #include "plan/limbs/limbs.h"
 
-/* Make the limbs of passes that one kernel runs side by side, with the same number of warps, as the options ask for, or
+/* Make the limbs of functions that one kernel runs side by side, with the same number of warps, as the options ask for, or
    where that pays; what the kernel needs to know of all is in the limbs of each. Returns 0 when memory runs out. */
-int limbs_choose(struct pass *const *passes, int count, const struct rneagen_options *o, struct arena *a);
+int limbs_choose(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a);
 
 /* Of the whole, beside parts that share nothing: for fewer samples where these are as fast. */
 void limbs_beside_parts(struct limbs *s, const struct request *k, const struct rneagen_options *o);

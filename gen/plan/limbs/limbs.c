@@ -166,7 +166,7 @@ static void put_warp(const struct plan *lines, int warp, struct text *out)
 	}
 }
 
-void limbs_dump(const struct pass *p, struct text *out)
+void limbs_dump(const struct function *p, struct text *out)
 {
 	const struct limbs *s = &p->limbs;
 

@@ -20,7 +20,7 @@ int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits 
 /* Of all lines. */
 unsigned limbs_operations(const struct plan *p, struct arena *a);
 
-/* A line for each warp and phase of the pass. */
-void limbs_dump(const struct pass *p, struct text *out);
+/* A line for each warp and phase of the function. */
+void limbs_dump(const struct function *p, struct text *out);
 
 #endif

@@ -19,7 +19,7 @@ enum { MOST_THREADS = 64, OTHER_BYTES = 1024 };
 
 /* The first function, or its parts, which are to have tiles. */
 struct chosen {
-	struct pass *whole;
+	struct function *whole;
 	struct part *parts;
 	int count;
 	const struct parts_of *of;
@@ -38,7 +38,7 @@ static int are_short(const struct stretches *s, const struct dag *d)
 }
 
 /* Where they have room. */
-static void set(struct pass *p, const struct stretches *s, const struct chosen *x)
+static void set(struct function *p, const struct stretches *s, const struct chosen *x)
 {
 	int bytes = stretches_words(s, &p->dag, x->of->options) * stage_number_bytes(x->of->options);
 
@@ -50,7 +50,7 @@ static void set(struct pass *p, const struct stretches *s, const struct chosen *
 }
 
 /* A part of matrices: its rows of inputs. */
-static int set_inputs(struct pass *p, const struct chosen *x, struct arena *a)
+static int set_inputs(struct function *p, const struct chosen *x, struct arena *a)
 {
 	struct stretches *s = arena_alloc(a, 1, sizeof *s);
 
@@ -62,7 +62,7 @@ static int set_inputs(struct pass *p, const struct chosen *x, struct arena *a)
 }
 
 /* Is every row that leaves written, and nothing written over before it is read? */
-static int serve(int *serves, const struct pass *p, const struct stretches *s, struct arena *a)
+static int serve(int *serves, const struct function *p, const struct stretches *s, struct arena *a)
 {
 	if (!places_serve(serves, p, s, a))
 		return 0;
@@ -71,7 +71,7 @@ static int serve(int *serves, const struct pass *p, const struct stretches *s, s
 }
 
 /* What has all rows of each array. */
-static int set_whole(struct pass *p, const struct chosen *x, struct arena *a)
+static int set_whole(struct function *p, const struct chosen *x, struct arena *a)
 {
 	struct stretches *s = arena_alloc(a, 1, sizeof *s);
 	int serves;
@@ -130,13 +130,13 @@ static int has_room(const struct chosen *x, struct arena *a)
 static int are_all(const struct chosen *x)
 {
 	for (int i = 0; i < x->count; i++)
-		if (!x->parts[i].pass.tiles)
+		if (!x->parts[i].function.tiles)
 			return 0;
 	return 1;
 }
 
 /* A part that shares nothing with others. */
-static int choose_apart(struct pass *p, const struct chosen *x, struct arena *a)
+static int choose_apart(struct function *p, const struct chosen *x, struct arena *a)
 {
 	int serves;
 
@@ -151,13 +151,13 @@ static void drop(const struct chosen *x)
 {
 	x->whole->tiles = NULL;
 	for (int i = 0; i < x->count; i++)
-		x->parts[i].pass.tiles = NULL;
+		x->parts[i].function.tiles = NULL;
 }
 
 static int choose_parts(const struct chosen *x, struct arena *a)
 {
 	for (int i = 0; i < x->count; i++) {
-		struct pass *p = &x->parts[i].pass;
+		struct function *p = &x->parts[i].function;
 
 		if (!(parts_are_apart(x->parts, x->count) ? choose_apart(p, x, a) : set_inputs(p, x, a)))
 			return 0;
@@ -190,7 +190,7 @@ static int add(struct tiles *t, int argument, int rows)
 	return 1;
 }
 
-int tiles_add(struct tiles *t, const struct pass *p)
+int tiles_add(struct tiles *t, const struct function *p)
 {
 	for (int i = 0; p->tiles && i < p->dag.argument_count; i++)
 		for (int k = 0; k < STRETCHES; k++)
@@ -199,14 +199,14 @@ int tiles_add(struct tiles *t, const struct pass *p)
 	return 1;
 }
 
-/* Not where a launch would pass on too many. */
+/* Not where a launch would function on too many. */
 static void bound_maps(const struct chosen *x)
 {
 	struct tiles t = {.count = 0};
 	int has_room = tiles_add(&t, x->whole);
 
 	for (int i = 0; i < x->count; i++)
-		has_room = has_room && tiles_add(&t, &x->parts[i].pass);
+		has_room = has_room && tiles_add(&t, &x->parts[i].function);
 	if (!has_room)
 		drop(x);
 }
@@ -220,7 +220,7 @@ static int choose(const struct chosen *x, struct arena *a)
 	return !is_by_row(x) || !has_room(x, a) || set_whole(x->whole, x, a);
 }
 
-enum rneagen_code tiles_choose(struct pass *whole, struct part *parts, int count, const struct parts_of *of, struct arena *a,
+enum rneagen_code tiles_choose(struct function *whole, struct part *parts, int count, const struct parts_of *of, struct arena *a,
 	struct rneagen_error *e)
 {
 	const struct chosen x = {whole, parts, count, of};
@@ -231,7 +231,7 @@ enum rneagen_code tiles_choose(struct pass *whole, struct part *parts, int count
 	return RNEAGEN_OK;
 }
 
-int tiles_words(const struct pass *p, const struct rneagen_options *o)
+int tiles_words(const struct function *p, const struct rneagen_options *o)
 {
 	return stretches_words(p->tiles, &p->dag, o);
 }
@@ -244,17 +244,17 @@ int tiles_block(int bytes)
 	return 0;
 }
 
-int tiles_are_inputs(const struct pass *p)
+int tiles_are_inputs(const struct function *p)
 {
 	return p->tiles != NULL && p->tiles->has_inputs_alone;
 }
 
-const struct stretches *tiles_rows(const struct pass *p)
+const struct stretches *tiles_rows(const struct function *p)
 {
 	return tiles_are_inputs(p) ? p->tiles : p->stretches;
 }
 
-int tiles_divide_q(const struct pass *p)
+int tiles_divide_q(const struct function *p)
 {
 	const struct stretches *s = tiles_rows(p);
 

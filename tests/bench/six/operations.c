@@ -169,7 +169,7 @@ static const char *text_name(const char *robot, enum operation operation, struct
 
 /* The DAG's plan; its inputs are no joint's. */
 static enum rneagen_code make_pass(
-	struct pass *p, const struct tree *t, const struct request *k, struct arena *a, struct rneagen_error *e)
+	struct function *p, const struct tree *t, const struct request *k, struct arena *a, struct rneagen_error *e)
 {
 	struct dag raw;
 
@@ -183,9 +183,9 @@ static enum rneagen_code make_pass(
 static enum rneagen_code emit(struct tree *t, const struct request *k, enum operation operation,
 	struct rneagen_options *o, struct arena *a, const char **text, struct rneagen_error *e)
 {
-	struct pass pass = {.algorithm = &OPERATIONS[operation]};
+	struct function pass = {.algorithm = &OPERATIONS[operation]};
 	struct emission emission = {
-		.tree = t, .request = k, .options = o, .passes = &pass, .pass_count = 1, .arena = a, .error = e};
+		.tree = t, .request = k, .options = o, .functions = &pass, .function_count = 1, .arena = a, .error = e};
 	struct text source;
 
 	t->joint_count = t->mimic_count = 0;
