@@ -285,62 +285,104 @@ static void put_bodies(const struct emission *e, struct text *out)
 	text_put(out, emit_has_limbs(e) ? "#endif\n" : "");
 }
 
-/* Of a header: those of target C stand among its functions. */
 static const char *lanes_call(const struct emission *e)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (is_header(e))
-		emit_lanes_call(e, emit_main(e), &t);
+	emit_lanes_call(e, emit_main(e), &t);
 	return text_string(&t);
+}
+
+/* ---- what the frames of targets have places for ---- */
+
+enum { MOST_SLOTS = 40 };
+
+struct slots {
+	struct slot of[MOST_SLOTS];
+	size_t count;
+};
+
+static void add_slots(struct slots *s, const struct slot *more, size_t count)
+{
+	memcpy(s->of + s->count, more, count * sizeof *more);
+	s->count += count;
+}
+
+static void common_slots(const struct emission *e, struct slots *s)
+{
+	const struct slot more[] = {{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"NUMBERS", numbers_text(e)},
+		{"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
+		{"IS_SMALL", emit_unless_limbs(e, emit_is_small(e))}};
+
+	add_slots(s, more, sizeof more / sizeof *more);
+}
+
+/* Of those that hold C functions, with a table that librnea reads. */
+static void function_slots(const struct emission *e, struct slots *s)
+{
+	const struct slot more[] = {{"INFO", info_text(e)}, {"LONG_INFO", long_info_text(e)}, {"PATTERNS", emit_patterns(e)},
+		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"PROTOTYPES", emit_prototypes(e)}, {"BOUNDED", ""}};
+
+	add_slots(s, more, sizeof more / sizeof *more);
+}
+
+static void kernel_slots(const struct emission *e, const char *kernels, struct slots *s)
+{
+	const struct function *p = emit_main(e);
+	const struct slot more[] = {
+		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"FUNCTION", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)},
+		{"EACH", p->segments.count ? template_launch_segments_in : ""}, {"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"},
+		{"MIN_BLOCKS", emit_min_blocks(e)}, {"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)},
+		{"STORE", emit_store(e)}, {"KERNELS", kernels}, {"LAUNCH_HEAD", emit_launch_head(e)}, {"LAUNCH_HANDS", emit_launch_hands(e)},
+		{"LAUNCH_RELAY", emit_launch_relay(e)}, {"LAUNCH_ALONE", emit_launch_alone(e)}, {"TILES_LAUNCH", emit_tiles_launch(e)},
+		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e, "kernel")}, {"LAUNCH_LIMBS", emit_launch_limbs(e)}};
+
+	add_slots(s, more, sizeof more / sizeof *more);
+}
+
+static void header_slots(const struct emission *e, struct slots *s)
+{
+	const struct function *p = emit_main(e);
+	const struct slot more[] = {
+		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"FUNCTION", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
+		{"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"}, {"JOINTS", emit_joints(e)}, {"ENUM", enum_text(e)},
+		{"DIMENSIONS", emit_dimensions(e)}, {"SAMPLE", emit_what(e)}, {"RNEA_CALL", emit_one_call(e, p)}, {"LANES_CALL", lanes_call(e)},
+		{"FURTHER", further_text(e)}, {"KNOWN_MACROS", emit_has_known(e) ? template_header_known_in : ""},
+		{"UNDEF_KNOWN", emit_has_known(e) ? "#undef RNEA_KNOWN\n" : ""}, {"UNDEF_STRICT", emit_undef_strict(e)},
+		{"UNDEF_WIDE", emit_undef_wide(e)}, {"UNDEF_LANES", e->lanes ? template_header_lanes_end_in : ""}};
+
+	add_slots(s, more, sizeof more / sizeof *more);
 }
 
 void emit_source(const struct emission *e, struct text *out)
 {
-	const struct function *p = e->functions;
+	struct slots s = {.count = 0};
 	struct text kernels;
 	const char *rest;
+	size_t from = out->length;
 
 	text_init(&kernels, e->arena);
 	emit_kernels(e, &kernels);
-	const struct slot slots[] = {
-		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"INFO", info_text(e)}, {"LONG_INFO", long_info_text(e)}, {"PATTERNS", emit_patterns(e)},
-		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"},
-		{"KNOWN_MACROS", emit_has_known(e) ? template_header_known_in : ""},
-		{"UNDEF_KNOWN", emit_has_known(e) ? "#undef RNEA_KNOWN\n" : ""},
-		{"UNDEF_STRICT", emit_undef_strict(e)}, {"UNDEF_WIDE", emit_undef_wide(e)},
-		{"UNDEF_LANES", e->lanes ? template_header_lanes_end_in : ""},
-		{"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)},
-		{"EACH", p->segments.count ? template_launch_segments_in : ""},
-		{"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"}, {"MIN_BLOCKS", emit_min_blocks(e)},
-		{"NUMBERS", numbers_text(e)}, {"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
-		{"IS_SMALL", emit_unless_limbs(e, emit_is_small(e))}, {"JOINTS", emit_joints(e)},
-		{"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)}, {"STORE", emit_store(e)},
-		{"LAUNCH_HEAD", emit_launch_head(e)}, {"LAUNCH_HANDS", emit_launch_hands(e)},
-		{"LAUNCH_RELAY", emit_launch_relay(e)}, {"LAUNCH_ALONE", emit_launch_alone(e)}, {"TILES_LAUNCH", emit_tiles_launch(e)},
-		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e, "kernel")}, {"LAUNCH_LIMBS", emit_launch_limbs(e)},
-		{"KERNELS", text_string(&kernels)}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
-		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"RNEA_PARAMS", emit_params(e, p, PARAMS_PLAIN)},
-		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"BOUNDED", ""},
-		{"RNEA_CALL", is_header(e) ? emit_one_call(e, p) : ""}, {"LANES_CALL", lanes_call(e)},
-		{"FURTHER", further_text(e)}, {"SAMPLE", emit_what(e)},
-		{"FUNCTION", p->algorithm->name}, {"PROTOTYPES", emit_prototypes(e)}, {"ENUM", enum_text(e)},
-		{"DIMENSIONS", emit_dimensions(e)},
-	};
-	size_t count = sizeof slots / sizeof *slots, from = out->length;
-
-	rest = template_expand_to(out, e->target->frame, "BODIES", slots, count);
+	common_slots(e, &s);
+	if (!is_header(e))
+		function_slots(e, &s);
+	if (is_header(e))
+		header_slots(e, &s);
+	else if (e->target->kernel)
+		kernel_slots(e, text_string(&kernels), &s);
+	rest = template_expand_to(out, e->target->frame, "BODIES", s.of, s.count);
 	fold(out, from);
 	put_bodies(e, out);
 	from = out->length;
 	if (e->options->bounded) {
-		rest = template_expand_to(out, rest, "BOUNDED", slots, count);
+		rest = template_expand_to(out, rest, "BOUNDED", s.of, s.count);
 		fold(out, from);
 		emit_bounded(e, out);
 		from = out->length;
 	}
-	template_expand(out, rest, slots, count);
+	template_expand(out, rest, s.of, s.count);
 	fold(out, from);
 	out->failed |= kernels.failed | e->arena->failed;
 }

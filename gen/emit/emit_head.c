@@ -304,7 +304,7 @@ static void put_many(const struct function *many, struct text *out)
 		s->count, many->dag.loop_count, looped(many, "such columns"), s->slots[0]);
 }
 
-static void put_operations(const struct emission *e, struct text *out)
+static void put_counts(const struct emission *e, struct text *out)
 {
 	for (int i = 0; i < e->function_count; i++) {
 		struct operation_count n = i ? plan_operations(&e->functions[i].plan)
@@ -317,6 +317,11 @@ static void put_operations(const struct emission *e, struct text *out)
 				" *   %u of these flops in %s: the residual tau - ID(q, qd, qdd), by which the qdd found is refined\n", n.wide,
 				e->wide->arithmetic->name);
 	}
+}
+
+/* How C functions are cut. */
+static void put_cuts(const struct emission *e, struct text *out)
+{
 	for (const struct function *p = e->functions; p < e->functions + e->function_count; p++)
 		if (p->segments.count && !p->many && (emit_has_batches(e) || !p->single))
 			text_printf(out, " *   %s is in %d segments%s; %d values go across cuts\n", p->algorithm->name, p->segments.count,
@@ -333,6 +338,11 @@ static void put_operations(const struct emission *e, struct text *out)
 			" *   those of %s. -DRNEA_NO_LANES leaves it out.\n",
 			emit_main(e)->beside->dag.width, emit_main(e)->beside->algorithm->name, emit_main(e)->beside->segments.count,
 			emit_has_batches(e) ? "a batch" : "a text without");
+}
+
+/* How kernels are. */
+static void put_kernels(const struct emission *e, struct text *out)
+{
 	if (e->relay)
 		put_relay(e, out);
 	if (emit_hands(e))
@@ -369,7 +379,9 @@ void emit_banner(const struct emission *e, struct text *out)
 	text_printf(out, "\n * from a URDF whose SHA-256 is\n *   %s\n", e->hash);
 	text_printf(out, " * nq = %d, nv = %d, nb = %d (moving bodies). Operations:\n", e->tree->nq, e->tree->nv,
 		e->tree->body_count);
-	put_operations(e, out);
+	put_counts(e, out);
+	put_cuts(e, out);
+	put_kernels(e, out);
 	put_joints(e, out);
 	text_put(out, e->told ? e->told : "");
 	put_conventions(e, out);

@@ -186,11 +186,11 @@ static void put_columns(const struct function *p, struct text *out)
 		put_entry("columns column l", "of both derivatives of qdd, side by side; the first of them; which of them this is", out);
 }
 
-static void put_functions(const struct emission *e, struct text *out)
+/* Of parts of a kernel, and of loops over limbs. */
+static void put_parts(const struct emission *e, struct text *out)
 {
 	const struct dag *d = &emit_main(e)->dag;
 
-	put_entry("stride", "from one row of an array to the next", out);
 	if (emit_hands(e) && somewhere(e, is_left))
 		put_entry(d->arguments[parts_handed(d)].name, "what a hand left in the row of the link's joint", out);
 	if (emit_hands(e))
@@ -204,14 +204,20 @@ static void put_functions(const struct emission *e, struct text *out)
 		put_entry("skip", "from one row of the vjp to its next for qd, or qdd, where it stands where these were", out);
 	if (emit_loops(e))
 		put_entry("each ..._each", "in a loop over limbs that are alike, which of them it is; an array where the limb's rows begin", out);
+}
+
+static void put_segments(const struct emission *e, struct text *out)
+{
 	if (emit_has_segments(e))
 		put_entry(e->lanes ? "across wide_across step" : "across step",
 			"values that one segment leaves for another; from one of them to the next", out);
 	if (emit_has_segments(e))
 		put_entry("first_... l", "an array at the first of several samples in a row; which of them this is", out);
 	put_columns(emit_main(e), out);
-	if (emit_has_known(e))
-		put_entry("known sines all_small", "the angles' sines and cosines are known; they; all angles are small", out);
+}
+
+static void put_bounds(const struct emission *e, struct text *out)
+{
 	if (emit_bounds_by_table(e, &emit_main(e)->dag)) {
 		put_entry("bound e", "of each output, how far it may be off; before it is rounded", out);
 		put_entry("operations constants results",
@@ -221,6 +227,10 @@ static void put_functions(const struct emission *e, struct text *out)
 		put_entry("bound factor", "of each output, how far it may be off; what the bounds' own rounding is made good by",
 			out);
 	}
+}
+
+static void put_macros(const struct emission *e, struct text *out)
+{
 	if (emit_uses(e, OP_FMA) && e->numbers->calls[OP_MUL] == NULL)
 		put_entry("RNEA_FMA", "a*b + c, rounded once where the machine can", out);
 	if (e->lanes)
@@ -238,6 +248,17 @@ static void put_functions(const struct emission *e, struct text *out)
 			emit_stores_to_tiles(e) ? "a store to an output, or to a tile of it" : "a store that nobody reads again here", out);
 	if (e->target->kernel && emit_windows(e)->slots)
 		put_entry("RNEA_HOLD RNEA_FLUSH", "an element into its slot of a window; rows that leave, sample by sample", out);
+}
+
+static void put_functions(const struct emission *e, struct text *out)
+{
+	put_entry("stride", "from one row of an array to the next", out);
+	put_parts(e, out);
+	put_segments(e, out);
+	if (emit_has_known(e))
+		put_entry("known sines all_small", "the angles' sines and cosines are known; they; all angles are small", out);
+	put_bounds(e, out);
+	put_macros(e, out);
 	put_entry("rneagen_...", "functions and types that this text brings along", out);
 }
 
