@@ -1,5 +1,7 @@
-# cmake -DOUTPUT=templates.c -DINPUTS=a.in;b.in -P embed.cmake: each file as a NUL-terminated array template_<name>
-set(text "/* made by embed.cmake from templates/ */\n#include \"base/template.h\"\n")
+# cmake -DOUTPUT=templates -DINPUTS=a/x.in;b/y.in -P embed.cmake: templates.c has each file as a NUL-terminated array template_<name>, without
+# its folder, and templates.h declares them
+set(text "/* made by embed.cmake from templates/ */\n#include \"templates.h\"\n")
+set(header "#ifndef RNEAGEN_TEMPLATES_H\n#define RNEAGEN_TEMPLATES_H\n/* made by embed.cmake from templates/ */\n")
 foreach(input IN LISTS INPUTS)
 	get_filename_component(name ${input} NAME)
 	string(REGEX REPLACE "[^A-Za-z0-9]" "_" name ${name})
@@ -7,5 +9,7 @@ foreach(input IN LISTS INPUTS)
 	string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
 	string(REGEX REPLACE "(0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,)" "\\1\n" bytes "${bytes}")
 	string(APPEND text "const char template_${name}[] = {\n${bytes}0};\n")
+	string(APPEND header "extern const char template_${name}[];\n")
 endforeach()
-file(WRITE ${OUTPUT} "${text}")
+file(WRITE ${OUTPUT}.c "${text}")
+file(WRITE ${OUTPUT}.h "${header}#endif\n")

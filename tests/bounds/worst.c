@@ -36,7 +36,7 @@ static __float128 pair(__float128 x)
 	return (__float128)hi + (__float128)(float)(x - (__float128)hi);
 }
 
-/* An operation of templates/f32x2.in, with a fused multiply-add or without. */
+/* An operation of templates/arithmetic/f32x2.in, with a fused multiply-add or without. */
 static __float128 by_pairs(const struct f32x2 *f, const struct node *n, const __float128 *v)
 {
 	float x[3][2], out[2];

@@ -3,7 +3,7 @@
 
 #include <stddef.h>
 
-// The functions of templates/sincos_*.in over arrays: s[i], c[i] = sine and cosine of x[i].
+// The functions of templates/sincos/sincos_*.in over arrays: s[i], c[i] = sine and cosine of x[i].
 struct sincos {
 	const char *name;
 	void (*bounded32)(const float *x, float *s, float *c, size_t n);

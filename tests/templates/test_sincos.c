@@ -1,4 +1,4 @@
-// templates/sincos_f32_*.in against double precision, with both forms of RNEA_FMA. Every positive float of the bounded
+// templates/sincos/sincos_f32_*.in against double precision, with both forms of RNEA_FMA. Every positive float of the bounded
 // domain is tried, except that a stride is taken below 2^-13, where sin x = x and cos x = 1; negative ones by symmetry.
 #include "sincos_check.h"
 #include "support/exhaustive.h"

@@ -1,4 +1,4 @@
-// templates/sincos_f64_*.in against MPFR, with both forms of RNEA_FMA; and for f32 as well the arguments that come
+// templates/sincos/sincos_f64_*.in against MPFR, with both forms of RNEA_FMA; and for f32 as well the arguments that come
 // closest to multiples of pi/2.
 #include "sincos_check.h"
 #include <mpfr.h>
