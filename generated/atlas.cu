@@ -5758,7 +5758,7 @@ static void atlas_rnea_any(const float *q, const float *qd, const float *qdd, fl
 
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
-static RNEA_LOOP void atlas_rnea_group(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+static RNEA_ALONE void atlas_rnea_group(const float *restrict q, const float *restrict qd, const float *restrict qdd,
 	float *restrict tau, size_t count, const size_t first, const size_t samples)
 {
 	RNEA_INDEPENDENT
@@ -5845,7 +5845,7 @@ static void atlas_fpass_any(const float *q, const float *qd, const float *qdd, f
 
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
-static RNEA_LOOP void atlas_fpass_group(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+static RNEA_ALONE void atlas_fpass_group(const float *restrict q, const float *restrict qd, const float *restrict qdd,
 	float *restrict v, float *restrict a, float *restrict f, size_t count, const size_t first, const size_t samples)
 {
 	RNEA_INDEPENDENT

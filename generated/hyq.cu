@@ -3807,7 +3807,7 @@ static void hyq_rnea_any(const float *q, const float *qd, const float *qdd, floa
 
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
-static RNEA_LOOP void hyq_rnea_group(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+static RNEA_ALONE void hyq_rnea_group(const float *restrict q, const float *restrict qd, const float *restrict qdd,
 	float *restrict tau, size_t count, const size_t first, const size_t samples)
 {
 	RNEA_INDEPENDENT
@@ -3894,7 +3894,7 @@ static void hyq_fpass_any(const float *q, const float *qd, const float *qdd, flo
 
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
-static RNEA_LOOP void hyq_fpass_group(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+static RNEA_ALONE void hyq_fpass_group(const float *restrict q, const float *restrict qd, const float *restrict qdd,
 	float *restrict v, float *restrict a, float *restrict f, size_t count, const size_t first, const size_t samples)
 {
 	RNEA_INDEPENDENT
