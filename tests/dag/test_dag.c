@@ -333,6 +333,21 @@ START_TEST(what_may_be_the_same_is)
 END_TEST
 
 /* Folding carries what its operands are off; taken for zero is zero; a factor that cannot be one stays. */
+/* No rule looks at a number that a limb has for itself: its twin's may have another sign. */
+START_TEST(limbs_numbers_keep_their_magnitude)
+{
+	struct within own = within_exact(-2), all = within_exact(-2);
+	struct ref x;
+
+	own.limb = 1;
+	own.kind = 7;
+	x = dag_abs(&dag, dag_within(&dag, own));
+	ck_assert_int_eq(dag.nodes[x.i].op, OP_ABS);
+	x = dag_abs(&dag, dag_within(&dag, all));
+	ck_assert(dag.nodes[x.i].op == OP_CONST && dag.nodes[x.i].value == 2);
+}
+END_TEST
+
 START_TEST(folding_carries_errors)
 {
 	const struct within tenth = {.x = 0.1L, .near = 0.1L, .e = 1e-20L}, fifth = {.x = 0.23L, .near = 0.23L, .e = 2e-20L},
@@ -370,6 +385,7 @@ int main(void)
 	tcase_add_test(c, too_many_nodes_fail);
 	tcase_add_test(c, too_many_arguments_fail);
 	tcase_add_test(c, what_may_be_the_same_is);
+	tcase_add_test(c, limbs_numbers_keep_their_magnitude);
 	tcase_add_test(c, folding_carries_errors);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
