@@ -3,6 +3,7 @@
    some samples at a time are turned to [row][sample] and back. */
 #include "emit/emit_groups.h"
 #include "base/template.h"
+#include <string.h>
 
 enum {
 	VECTOR_BYTES = 32, /* a group of a short text: a vector of AVX, of which AVX-512 has two and SSE half a one */
@@ -194,15 +195,28 @@ static void put_few(const struct emission *e, const struct function *p, struct t
 	template_expand(out, template_few_in, slots, sizeof slots / sizeof *slots);
 }
 
+/* A short text that clang leaves as it is, since it makes vectors of [sample][row] too. */
+static int is_direct(const struct emission *e, const struct function *p)
+{
+	return is_turned(e, p) && !p->segments.count;
+}
+
+#define UNLESS_CLANG "#if !defined __clang__\n"
+
 void emit_groups_moves(const struct emission *e, struct text *out)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}};
+	int users = 0, direct = 0;
 
-	for (int i = 0; i < e->function_count; i++)
-		if (has_few(e, &e->functions[i]) && (is_soa(e) || is_turned(e, &e->functions[i]))) {
-			template_expand(out, is_soa(e) ? template_gather_in : template_gather_aos_in, slots, sizeof slots / sizeof *slots);
-			return;
-		}
+	for (int i = 0; i < e->function_count; i++) {
+		users += has_few(e, &e->functions[i]) && emit_groups_have_rows(e, &e->functions[i]);
+		direct += is_direct(e, &e->functions[i]);
+	}
+	if (!users)
+		return;
+	text_put(out, direct == users ? UNLESS_CLANG : "");
+	template_expand(out, is_soa(e) ? template_gather_in : template_gather_aos_in, slots, sizeof slots / sizeof *slots);
+	text_put(out, direct == users ? "#endif\n" : "");
 }
 
 /* ---- a part of a batch ---- */
@@ -245,7 +259,7 @@ static const char *else_few(const struct emission *e, const struct function *p)
 	return text_string(&t);
 }
 
-static void put_part(const struct emission *e, const struct function *p, struct text *out)
+static void put_part(const struct emission *e, const struct function *p, const char *frame, struct text *out)
 {
 	const char *group = emit_int(e, group_of(e, p));
 	struct text back;
@@ -255,18 +269,26 @@ static void put_part(const struct emission *e, const struct function *p, struct 
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"GROUP", group},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param(e)}, {"COUNT", count_text(e)},
 		{"LAST_IS_SMALL", and_small(e, p, text_string(&back))}, {"IS_SMALL", and_small(e, p, "first")},
+		{"SMALL", angles_argument(e, p) < 0 ? "1" : and_small(e, p, "first") + strlen(" && ")},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ONE_GROUP", many_text(e, p, group)}, {"ELSE_FEW", else_few(e, p)},
 		{"ANY", emit_any_name(e, p)}, {"AT_SAMPLE", emit_at_sample(e, p)}, {"NEXT", next_text(e, p)}, {"PART", whole_groups(e, p)},
-		{"ROOM", emit_int(e, room_of(e, p))}};
+		{"ROOM", emit_int(e, room_of(e, p))}, {"AT_A_TIME", emit_int(e, AT_A_TIME)},
+		{"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
 
-	template_expand(out, template_part_each_in, slots, sizeof slots / sizeof *slots);
-	template_expand(out, is_turned(e, p) ? template_part_turned_in : template_part_in, slots, sizeof slots / sizeof *slots);
+	template_expand(out, frame, slots, sizeof slots / sizeof *slots);
 }
 
 void emit_groups(const struct emission *e, const struct function *p, struct text *out)
 {
+	put_part(e, p, template_part_each_in, out);
+	text_put(out, is_direct(e, p) ? UNLESS_CLANG : "");
 	put_group(e, p, out);
 	if (has_few(e, p) && emit_groups_have_rows(e, p))
 		put_few(e, p, out);
-	put_part(e, p, out);
+	put_part(e, p, is_turned(e, p) ? template_part_turned_in : template_part_in, out);
+	if (is_direct(e, p)) {
+		text_put(out, "#else\n");
+		put_part(e, p, template_part_direct_in, out);
+		text_put(out, "#endif\n");
+	}
 }
