@@ -5945,6 +5945,13 @@ static void atlas_rnea_any(const double *q, const double *qd, const double *qdd,
 	atlas_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void atlas_rnea_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		atlas_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+}
+
 /* 16 samples from `first` on where their angles are small, which is the rule: each segment runs for all of them before
    the next one does. */
 static RNEA_ALONE void atlas_rnea_group(const double *restrict q, const double *restrict qd, const double *restrict qdd,
@@ -5975,13 +5982,6 @@ static RNEA_ALONE void atlas_rnea_few(const double *restrict q, const double *re
 	atlas_gather(few_qdd, qdd, 30, count, first, end, samples, 16);
 	atlas_rnea_group(few_q, few_qd, few_qdd, few_tau, 16, 0);
 	atlas_scatter(few_tau, tau, 30, count, first, end, 16);
-}
-
-static RNEA_ALONE void atlas_rnea_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
-	double *restrict tau, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		atlas_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -6207,6 +6207,13 @@ static void atlas_fpass_any(const double *q, const double *qd, const double *qdd
 	atlas_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
+static RNEA_ALONE void atlas_fpass_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		atlas_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
+}
+
 /* 64 samples from `first` on where their angles are small, which is the rule: each segment runs for all of them before
    the next one does. */
 static RNEA_ALONE void atlas_fpass_group(const double *restrict q, const double *restrict qd,
@@ -6222,13 +6229,6 @@ static RNEA_ALONE void atlas_fpass_group(const double *restrict q, const double 
 	atlas_fpass_lanes4(q, qd, qdd, v, a, f, count, first, across);
 	atlas_fpass_lanes5(q, qd, qdd, v, a, f, count, first, across);
 	atlas_fpass_lanes6(q, qd, qdd, v, a, f, count, first, across);
-}
-
-static RNEA_ALONE void atlas_fpass_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
-	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		atlas_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -6278,6 +6278,13 @@ static void atlas_bpass_any(const double *q, const double *f, double *tau, const
 	atlas_bpass_body(q, f, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void atlas_bpass_each(const double *restrict q, const double *restrict f, double *restrict tau,
+	size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		atlas_bpass_any(q + k, f + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 4, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void atlas_bpass_group(const double *restrict q, const double *restrict f,
@@ -6301,13 +6308,6 @@ static RNEA_ALONE void atlas_bpass_few(const double *restrict q, const double *r
 	atlas_gather(few_f, f, 180, count, first, end, samples, 4);
 	atlas_bpass_group(few_q, few_f, few_tau, 4, 0, samples);
 	atlas_scatter(few_tau, tau, 30, count, first, end, 4);
-}
-
-static RNEA_ALONE void atlas_bpass_each(const double *restrict q, const double *restrict f, double *restrict tau,
-	size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		atlas_bpass_any(q + k, f + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is

@@ -5756,6 +5756,13 @@ static void atlas_rnea_any(const float *q, const float *qd, const float *qdd, fl
 	atlas_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void atlas_rnea_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict tau, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		atlas_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
 static RNEA_ALONE void atlas_rnea_group(const float *restrict q, const float *restrict qd, const float *restrict qdd,
@@ -5781,13 +5788,6 @@ static RNEA_ALONE void atlas_rnea_few(const float *restrict q, const float *rest
 	atlas_gather(few_qdd, qdd, 30, count, first, end, samples, 8);
 	atlas_rnea_group(few_q, few_qd, few_qdd, few_tau, 8, 0, samples);
 	atlas_scatter(few_tau, tau, 30, count, first, end, 8);
-}
-
-static RNEA_ALONE void atlas_rnea_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
-	float *restrict tau, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		atlas_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -5843,6 +5843,13 @@ static void atlas_fpass_any(const float *q, const float *qd, const float *qdd, f
 	atlas_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
+static RNEA_ALONE void atlas_fpass_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict v, float *restrict a, float *restrict f, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		atlas_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
 static RNEA_ALONE void atlas_fpass_group(const float *restrict q, const float *restrict qd, const float *restrict qdd,
@@ -5872,13 +5879,6 @@ static RNEA_ALONE void atlas_fpass_few(const float *restrict q, const float *res
 	atlas_scatter(few_v, v, 180, count, first, end, 8);
 	atlas_scatter(few_a, a, 180, count, first, end, 8);
 	atlas_scatter(few_f, f, 180, count, first, end, 8);
-}
-
-static RNEA_ALONE void atlas_fpass_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
-	float *restrict v, float *restrict a, float *restrict f, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		atlas_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -5929,6 +5929,13 @@ static void atlas_bpass_any(const float *q, const float *f, float *tau, const si
 	atlas_bpass_body(q, f, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void atlas_bpass_each(const float *restrict q, const float *restrict f, float *restrict tau,
+	size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		atlas_bpass_any(q + k, f + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void atlas_bpass_group(const float *restrict q, const float *restrict f,
@@ -5952,13 +5959,6 @@ static RNEA_ALONE void atlas_bpass_few(const float *restrict q, const float *res
 	atlas_gather(few_f, f, 180, count, first, end, samples, 8);
 	atlas_bpass_group(few_q, few_f, few_tau, 8, 0, samples);
 	atlas_scatter(few_tau, tau, 30, count, first, end, 8);
-}
-
-static RNEA_ALONE void atlas_bpass_each(const float *restrict q, const float *restrict f, float *restrict tau,
-	size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		atlas_bpass_any(q + k, f + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is

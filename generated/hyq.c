@@ -3539,6 +3539,13 @@ static void hyq_rnea_any(const double *q, const double *qd, const double *qdd, d
 	hyq_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void hyq_rnea_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		hyq_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+}
+
 /* 32 samples from `first` on where their angles are small, which is the rule: each segment runs for all of them before
    the next one does. */
 static RNEA_ALONE void hyq_rnea_group(const double *restrict q, const double *restrict qd, const double *restrict qdd,
@@ -3567,13 +3574,6 @@ static RNEA_ALONE void hyq_rnea_few(const double *restrict q, const double *rest
 	hyq_gather(few_qdd, qdd, 18, count, first, end, samples, 32);
 	hyq_rnea_group(few_q, few_qd, few_qdd, few_tau, 32, 0);
 	hyq_scatter(few_tau, tau, 18, count, first, end, 32);
-}
-
-static RNEA_ALONE void hyq_rnea_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
-	double *restrict tau, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		hyq_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -3732,6 +3732,13 @@ static void hyq_fpass_any(const double *q, const double *qd, const double *qdd, 
 	hyq_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
+static RNEA_ALONE void hyq_fpass_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		hyq_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
+}
+
 /* 32 samples from `first` on where their angles are small, which is the rule: each segment runs for all of them before
    the next one does. */
 static RNEA_ALONE void hyq_fpass_group(const double *restrict q, const double *restrict qd, const double *restrict qdd,
@@ -3764,13 +3771,6 @@ static RNEA_ALONE void hyq_fpass_few(const double *restrict q, const double *res
 	hyq_scatter(few_v, v, 78, count, first, end, 32);
 	hyq_scatter(few_a, a, 78, count, first, end, 32);
 	hyq_scatter(few_f, f, 78, count, first, end, 32);
-}
-
-static RNEA_ALONE void hyq_fpass_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
-	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		hyq_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -3821,6 +3821,13 @@ static void hyq_bpass_any(const double *q, const double *f, double *tau, const s
 	hyq_bpass_body(q, f, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void hyq_bpass_each(const double *restrict q, const double *restrict f, double *restrict tau,
+	size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		hyq_bpass_any(q + k, f + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 4, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void hyq_bpass_group(const double *restrict q, const double *restrict f,
@@ -3844,13 +3851,6 @@ static RNEA_ALONE void hyq_bpass_few(const double *restrict q, const double *res
 	hyq_gather(few_f, f, 78, count, first, end, samples, 4);
 	hyq_bpass_group(few_q, few_f, few_tau, 4, 0, samples);
 	hyq_scatter(few_tau, tau, 18, count, first, end, 4);
-}
-
-static RNEA_ALONE void hyq_bpass_each(const double *restrict q, const double *restrict f, double *restrict tau,
-	size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		hyq_bpass_any(q + k, f + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is

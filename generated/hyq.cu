@@ -3805,6 +3805,13 @@ static void hyq_rnea_any(const float *q, const float *qd, const float *qdd, floa
 	hyq_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void hyq_rnea_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict tau, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		hyq_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
 static RNEA_ALONE void hyq_rnea_group(const float *restrict q, const float *restrict qd, const float *restrict qdd,
@@ -3830,13 +3837,6 @@ static RNEA_ALONE void hyq_rnea_few(const float *restrict q, const float *restri
 	hyq_gather(few_qdd, qdd, 18, count, first, end, samples, 8);
 	hyq_rnea_group(few_q, few_qd, few_qdd, few_tau, 8, 0, samples);
 	hyq_scatter(few_tau, tau, 18, count, first, end, 8);
-}
-
-static RNEA_ALONE void hyq_rnea_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
-	float *restrict tau, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		hyq_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -3892,6 +3892,13 @@ static void hyq_fpass_any(const float *q, const float *qd, const float *qdd, flo
 	hyq_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
+static RNEA_ALONE void hyq_fpass_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict v, float *restrict a, float *restrict f, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		hyq_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
 static RNEA_ALONE void hyq_fpass_group(const float *restrict q, const float *restrict qd, const float *restrict qdd,
@@ -3921,13 +3928,6 @@ static RNEA_ALONE void hyq_fpass_few(const float *restrict q, const float *restr
 	hyq_scatter(few_v, v, 78, count, first, end, 8);
 	hyq_scatter(few_a, a, 78, count, first, end, 8);
 	hyq_scatter(few_f, f, 78, count, first, end, 8);
-}
-
-static RNEA_ALONE void hyq_fpass_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
-	float *restrict v, float *restrict a, float *restrict f, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		hyq_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -3978,6 +3978,13 @@ static void hyq_bpass_any(const float *q, const float *f, float *tau, const size
 	hyq_bpass_body(q, f, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void hyq_bpass_each(const float *restrict q, const float *restrict f, float *restrict tau,
+	size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		hyq_bpass_any(q + k, f + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void hyq_bpass_group(const float *restrict q, const float *restrict f,
@@ -4001,13 +4008,6 @@ static RNEA_ALONE void hyq_bpass_few(const float *restrict q, const float *restr
 	hyq_gather(few_f, f, 78, count, first, end, samples, 8);
 	hyq_bpass_group(few_q, few_f, few_tau, 8, 0, samples);
 	hyq_scatter(few_tau, tau, 18, count, first, end, 8);
-}
-
-static RNEA_ALONE void hyq_bpass_each(const float *restrict q, const float *restrict f, float *restrict tau,
-	size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		hyq_bpass_any(q + k, f + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is

@@ -1156,6 +1156,13 @@ static void iiwa14_rnea_any(const double *q, const double *qd, const double *qdd
 	iiwa14_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void iiwa14_rnea_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		iiwa14_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 4, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void iiwa14_rnea_group(const double *restrict q, const double *restrict qd,
@@ -1181,13 +1188,6 @@ static RNEA_ALONE void iiwa14_rnea_few(const double *restrict q, const double *r
 	iiwa14_gather(few_qdd, qdd, 7, count, first, end, samples, 4);
 	iiwa14_rnea_group(few_q, few_qd, few_qdd, few_tau, 4, 0, samples);
 	iiwa14_scatter(few_tau, tau, 7, count, first, end, 4);
-}
-
-static RNEA_ALONE void iiwa14_rnea_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
-	double *restrict tau, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		iiwa14_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -1243,6 +1243,14 @@ static void iiwa14_fpass_any(const double *q, const double *qd, const double *qd
 	iiwa14_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
+static RNEA_ALONE void iiwa14_fpass_each(const double *restrict q, const double *restrict qd,
+	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
+	const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		iiwa14_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 4, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void iiwa14_fpass_group(const double *restrict q, const double *restrict qd,
@@ -1273,14 +1281,6 @@ static RNEA_ALONE void iiwa14_fpass_few(const double *restrict q, const double *
 	iiwa14_scatter(few_v, v, 42, count, first, end, 4);
 	iiwa14_scatter(few_a, a, 42, count, first, end, 4);
 	iiwa14_scatter(few_f, f, 42, count, first, end, 4);
-}
-
-static RNEA_ALONE void iiwa14_fpass_each(const double *restrict q, const double *restrict qd,
-	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
-	const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		iiwa14_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -1331,6 +1331,13 @@ static void iiwa14_bpass_any(const double *q, const double *f, double *tau, cons
 	iiwa14_bpass_body(q, f, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void iiwa14_bpass_each(const double *restrict q, const double *restrict f, double *restrict tau,
+	size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		iiwa14_bpass_any(q + k, f + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 4, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void iiwa14_bpass_group(const double *restrict q, const double *restrict f,
@@ -1354,13 +1361,6 @@ static RNEA_ALONE void iiwa14_bpass_few(const double *restrict q, const double *
 	iiwa14_gather(few_f, f, 42, count, first, end, samples, 4);
 	iiwa14_bpass_group(few_q, few_f, few_tau, 4, 0, samples);
 	iiwa14_scatter(few_tau, tau, 7, count, first, end, 4);
-}
-
-static RNEA_ALONE void iiwa14_bpass_each(const double *restrict q, const double *restrict f, double *restrict tau,
-	size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		iiwa14_bpass_any(q + k, f + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is

@@ -1213,6 +1213,13 @@ static void iiwa14_rnea_any(const float *q, const float *qd, const float *qdd, f
 	iiwa14_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void iiwa14_rnea_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict tau, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		iiwa14_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void iiwa14_rnea_group(const float *restrict q, const float *restrict qd,
@@ -1238,13 +1245,6 @@ static RNEA_ALONE void iiwa14_rnea_few(const float *restrict q, const float *res
 	iiwa14_gather(few_qdd, qdd, 7, count, first, end, samples, 8);
 	iiwa14_rnea_group(few_q, few_qd, few_qdd, few_tau, 8, 0, samples);
 	iiwa14_scatter(few_tau, tau, 7, count, first, end, 8);
-}
-
-static RNEA_ALONE void iiwa14_rnea_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
-	float *restrict tau, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		iiwa14_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -1300,6 +1300,13 @@ static void iiwa14_fpass_any(const float *q, const float *qd, const float *qdd, 
 	iiwa14_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
+static RNEA_ALONE void iiwa14_fpass_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict v, float *restrict a, float *restrict f, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		iiwa14_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void iiwa14_fpass_group(const float *restrict q, const float *restrict qd,
@@ -1330,13 +1337,6 @@ static RNEA_ALONE void iiwa14_fpass_few(const float *restrict q, const float *re
 	iiwa14_scatter(few_v, v, 42, count, first, end, 8);
 	iiwa14_scatter(few_a, a, 42, count, first, end, 8);
 	iiwa14_scatter(few_f, f, 42, count, first, end, 8);
-}
-
-static RNEA_ALONE void iiwa14_fpass_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
-	float *restrict v, float *restrict a, float *restrict f, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		iiwa14_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -1387,6 +1387,13 @@ static void iiwa14_bpass_any(const float *q, const float *f, float *tau, const s
 	iiwa14_bpass_body(q, f, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void iiwa14_bpass_each(const float *restrict q, const float *restrict f, float *restrict tau,
+	size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		iiwa14_bpass_any(q + k, f + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void iiwa14_bpass_group(const float *restrict q, const float *restrict f,
@@ -1410,13 +1417,6 @@ static RNEA_ALONE void iiwa14_bpass_few(const float *restrict q, const float *re
 	iiwa14_gather(few_f, f, 42, count, first, end, samples, 8);
 	iiwa14_bpass_group(few_q, few_f, few_tau, 8, 0, samples);
 	iiwa14_scatter(few_tau, tau, 7, count, first, end, 8);
-}
-
-static RNEA_ALONE void iiwa14_bpass_each(const float *restrict q, const float *restrict f, float *restrict tau,
-	size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		iiwa14_bpass_any(q + k, f + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is

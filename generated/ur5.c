@@ -1001,6 +1001,13 @@ static void ur5_rnea_any(const double *q, const double *qd, const double *qdd, d
 	ur5_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void ur5_rnea_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict tau, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		ur5_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 4, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void ur5_rnea_group(const double *restrict q, const double *restrict qd,
@@ -1026,13 +1033,6 @@ static RNEA_ALONE void ur5_rnea_few(const double *restrict q, const double *rest
 	ur5_gather(few_qdd, qdd, 6, count, first, end, samples, 4);
 	ur5_rnea_group(few_q, few_qd, few_qdd, few_tau, 4, 0, samples);
 	ur5_scatter(few_tau, tau, 6, count, first, end, 4);
-}
-
-static RNEA_ALONE void ur5_rnea_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
-	double *restrict tau, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		ur5_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -1088,6 +1088,13 @@ static void ur5_fpass_any(const double *q, const double *qd, const double *qdd, 
 	ur5_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
+static RNEA_ALONE void ur5_fpass_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
+	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		ur5_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 4, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void ur5_fpass_group(const double *restrict q, const double *restrict qd,
@@ -1118,13 +1125,6 @@ static RNEA_ALONE void ur5_fpass_few(const double *restrict q, const double *res
 	ur5_scatter(few_v, v, 36, count, first, end, 4);
 	ur5_scatter(few_a, a, 36, count, first, end, 4);
 	ur5_scatter(few_f, f, 36, count, first, end, 4);
-}
-
-static RNEA_ALONE void ur5_fpass_each(const double *restrict q, const double *restrict qd, const double *restrict qdd,
-	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		ur5_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -1175,6 +1175,13 @@ static void ur5_bpass_any(const double *q, const double *f, double *tau, const s
 	ur5_bpass_body(q, f, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void ur5_bpass_each(const double *restrict q, const double *restrict f, double *restrict tau,
+	size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		ur5_bpass_any(q + k, f + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 4, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void ur5_bpass_group(const double *restrict q, const double *restrict f,
@@ -1198,13 +1205,6 @@ static RNEA_ALONE void ur5_bpass_few(const double *restrict q, const double *res
 	ur5_gather(few_f, f, 36, count, first, end, samples, 4);
 	ur5_bpass_group(few_q, few_f, few_tau, 4, 0, samples);
 	ur5_scatter(few_tau, tau, 6, count, first, end, 4);
-}
-
-static RNEA_ALONE void ur5_bpass_each(const double *restrict q, const double *restrict f, double *restrict tau,
-	size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		ur5_bpass_any(q + k, f + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is

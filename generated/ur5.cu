@@ -1060,6 +1060,13 @@ static void ur5_rnea_any(const float *q, const float *qd, const float *qdd, floa
 	ur5_rnea_body(q, qd, qdd, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void ur5_rnea_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict tau, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		ur5_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void ur5_rnea_group(const float *restrict q, const float *restrict qd,
@@ -1085,13 +1092,6 @@ static RNEA_ALONE void ur5_rnea_few(const float *restrict q, const float *restri
 	ur5_gather(few_qdd, qdd, 6, count, first, end, samples, 8);
 	ur5_rnea_group(few_q, few_qd, few_qdd, few_tau, 8, 0, samples);
 	ur5_scatter(few_tau, tau, 6, count, first, end, 8);
-}
-
-static RNEA_ALONE void ur5_rnea_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
-	float *restrict tau, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		ur5_rnea_any(q + k, qd + k, qdd + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -1147,6 +1147,13 @@ static void ur5_fpass_any(const float *q, const float *qd, const float *qdd, flo
 	ur5_fpass_body(q, qd, qdd, v, a, f, stride, 1, sines);
 }
 
+static RNEA_ALONE void ur5_fpass_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
+	float *restrict v, float *restrict a, float *restrict f, size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		ur5_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void ur5_fpass_group(const float *restrict q, const float *restrict qd,
@@ -1177,13 +1184,6 @@ static RNEA_ALONE void ur5_fpass_few(const float *restrict q, const float *restr
 	ur5_scatter(few_v, v, 36, count, first, end, 8);
 	ur5_scatter(few_a, a, 36, count, first, end, 8);
 	ur5_scatter(few_f, f, 36, count, first, end, 8);
-}
-
-static RNEA_ALONE void ur5_fpass_each(const float *restrict q, const float *restrict qd, const float *restrict qdd,
-	float *restrict v, float *restrict a, float *restrict f, size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		ur5_fpass_any(q + k, qd + k, qdd + k, v + k, a + k, f + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
@@ -1234,6 +1234,13 @@ static void ur5_bpass_any(const float *q, const float *f, float *tau, const size
 	ur5_bpass_body(q, f, tau, stride, 1, sines);
 }
 
+static RNEA_ALONE void ur5_bpass_each(const float *restrict q, const float *restrict f, float *restrict tau,
+	size_t count, const size_t first, const size_t end)
+{
+	for (size_t k = first; k < end; k++)
+		ur5_bpass_any(q + k, f + k, tau + k, count);
+}
+
 /* `samples` in a row where their angles are small, which is the rule: a multiple of 8, so that vectors
    have no rest. */
 RNEA_VECTORS static RNEA_LOOP void ur5_bpass_group(const float *restrict q, const float *restrict f,
@@ -1257,13 +1264,6 @@ static RNEA_ALONE void ur5_bpass_few(const float *restrict q, const float *restr
 	ur5_gather(few_f, f, 36, count, first, end, samples, 8);
 	ur5_bpass_group(few_q, few_f, few_tau, 8, 0, samples);
 	ur5_scatter(few_tau, tau, 6, count, first, end, 8);
-}
-
-static RNEA_ALONE void ur5_bpass_each(const float *restrict q, const float *restrict f, float *restrict tau,
-	size_t count, const size_t first, const size_t end)
-{
-	for (size_t k = first; k < end; k++)
-		ur5_bpass_any(q + k, f + k, tau + k, count);
 }
 
 /* What fills no group: computed beside samples that are done already, or beside copies of the last one, where that is
