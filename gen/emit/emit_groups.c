@@ -1,9 +1,8 @@
 /* Batches of C functions: in groups of samples, of which compilers make vectors. Samples that fill no group are computed beside
    others, where a group costs less than they do by themselves. Compilers make few vectors of arrays [sample][row]: in layout aos
-   some samples at a time are turned to [row][sample] and back. */
+   some samples at a time are turned to [row][sample] and back, unless clang compiles a short text. */
 #include "emit/emit_groups.h"
 #include "base/template.h"
-#include <string.h>
 
 enum {
 	VECTOR_BYTES = 32, /* a group of a short text: a vector of AVX, of which AVX-512 has two and SSE half a one */
@@ -96,15 +95,27 @@ static int angles_argument(const struct emission *e, const struct function *p)
 	return emit_has_known(e) ? dag_find_role(&p->dag, ROLE_JOINT_POSITION, 0) : -1;
 }
 
-/* ` && ` whether these samples' angles are small. */
-static const char *and_small(const struct emission *e, const struct function *p, const char *from)
+/* Whether angles of the samples up to `end` are small. */
+static const char *small_text(const struct emission *e, const struct function *p, const char *from)
 {
 	int q = angles_argument(e, p);
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (q >= 0)
-		text_printf(&t, " && %s_are_small(%s, %s%s, end)", e->options->name, p->dag.arguments[q].name, count_text(e), from);
+	if (q < 0)
+		text_put(&t, "1");
+	else
+		text_printf(&t, "%s_are_small(%s, %s%s, end)", e->options->name, p->dag.arguments[q].name, count_text(e), from);
+	return text_string(&t);
+}
+
+static const char *and_small(const struct emission *e, const struct function *p, const char *from)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (angles_argument(e, p) >= 0)
+		text_printf(&t, " && %s", small_text(e, p, from));
 	return text_string(&t);
 }
 
@@ -269,7 +280,7 @@ static void put_part(const struct emission *e, const struct function *p, const c
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"GROUP", group},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param(e)}, {"COUNT", count_text(e)},
 		{"LAST_IS_SMALL", and_small(e, p, text_string(&back))}, {"IS_SMALL", and_small(e, p, "first")},
-		{"SMALL", angles_argument(e, p) < 0 ? "1" : and_small(e, p, "first") + strlen(" && ")},
+		{"SMALL", small_text(e, p, "first")},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ONE_GROUP", many_text(e, p, group)}, {"ELSE_FEW", else_few(e, p)},
 		{"ANY", emit_any_name(e, p)}, {"AT_SAMPLE", emit_at_sample(e, p)}, {"NEXT", next_text(e, p)}, {"PART", whole_groups(e, p)},
 		{"ROOM", emit_int(e, room_of(e, p))}, {"AT_A_TIME", emit_int(e, AT_A_TIME)},
