@@ -36,6 +36,7 @@ enum rneagen_mimic { RNEAGEN_MIMIC_HONOUR, RNEAGEN_MIMIC_INDEPENDENT };
 enum { RNEAGEN_BOUNDS_CLOSE = 1, RNEAGEN_BOUNDS_RUNNING };
 
 /* What --only leaves of a text's functions: the main one, whichever that is, or by its name. */
+#define RNEAGEN_ONLY_WORDS(X) X(RNEA, "rnea") X(FD, "fd") X(KIN, "kin")
 enum { RNEAGEN_ONLY_MAIN = 1, RNEAGEN_ONLY_RNEA, RNEAGEN_ONLY_FD, RNEAGEN_ONLY_KIN };
 enum { RNEAGEN_PARTS_AUTO = 0, RNEAGEN_SEGMENTS_AUTO = 0, RNEAGEN_SEGMENTS_WHOLE = 1, RNEAGEN_LIMBS_AUTO = 0,
 	RNEAGEN_LIMBS_NONE = 1 };

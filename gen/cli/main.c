@@ -75,8 +75,9 @@ static const struct option OPTIONS[] = {
 	{"only", required_argument, NULL, KEY_ONLY}, {"quiet", no_argument, NULL, KEY_QUIET},
 	{"help", no_argument, NULL, OPTION_HELP}, {"version", no_argument, NULL, OPTION_VERSION}, {NULL, 0, NULL, 0}};
 
-static const struct option_choice ONLY[] = {{"rnea", RNEAGEN_ONLY_RNEA}, {"fd", RNEAGEN_ONLY_FD}, {"kin", RNEAGEN_ONLY_KIN},
-	{NULL, 0}};
+#define ONLY_CHOICE(upper, word) {word, RNEAGEN_ONLY_##upper},
+static const struct option_choice ONLY[] = {RNEAGEN_ONLY_WORDS(ONLY_CHOICE) {NULL, 0}};
+#undef ONLY_CHOICE
 
 /* --info and --dot share standard output. */
 static int set_info(struct command *c, enum info_mode info)
@@ -145,6 +146,19 @@ static int target_from_suffix(struct command *c)
 		"for inline functions, or say --target cuda, c or header", c->output);
 }
 
+/* What goes to standard output goes there alone. Returns -1 to go on, or the exit status. */
+static int check_printed(const struct command *c)
+{
+	int is_dumped = c->options.dump != RNEAGEN_DUMP_NONE;
+
+	if (c->output && is_dumped)
+		return option_refuse(COMMAND, "--dump prints to standard output and goes without -o");
+	if (c->info != INFO_NONE && (c->is_text_printed || is_dumped))
+		return option_refuse(COMMAND, "%s and %s both print to standard output; take one", c->is_text_printed ? "-o -" : "--dump",
+			c->info == INFO_DOT ? "--dot" : "--info");
+	return -1;
+}
+
 /* Returns -1 to go on, or the exit status. */
 static int parse_command(struct command *c, int argc, char **argv)
 {
@@ -168,14 +182,8 @@ static int parse_command(struct command *c, int argc, char **argv)
 	c->input = argv[optind];
 	if (!*c->input)
 		return option_refuse(COMMAND, "the name of the URDF is empty");
-	if (c->output && c->options.dump != RNEAGEN_DUMP_NONE)
-		return option_refuse(COMMAND, "--dump prints to standard output and goes without -o");
-	if (c->is_text_printed && c->info != INFO_NONE)
-		return option_refuse(COMMAND, "-o - and %s both print to standard output; take one", c->info == INFO_DOT ? "--dot" : "--info");
-	if (c->options.dump != RNEAGEN_DUMP_NONE && c->info != INFO_NONE)
-		return option_refuse(COMMAND, "--dump and %s both print to standard output; take one", c->info == INFO_DOT ? "--dot" : "--info");
 	c->options.file = strcmp(c->input, "-") ? c->input : "<stdin>";
-	return -1;
+	return check_printed(c);
 }
 
 /* Nothing that is written takes the place of what is read, nor of something else that is written. Returns -1 to go on, or

@@ -195,11 +195,11 @@ static const char *info_text(const struct emission *e)
 }
 
 /* A compiler that is asked for ISO C warns of a string that is longer than that promises: 4095 characters. */
-static const char *long_info_text(const struct emission *e)
+static const char *long_text(const char *info)
 {
 	enum { PROMISED = 4095 };
 
-	return strlen(info_text(e)) <= PROMISED ? "" :
+	return strlen(info) <= PROMISED ? "" :
 		"#if defined __GNUC__\n#pragma GCC diagnostic ignored \"-Woverlength-strings\"\n#endif\n";
 }
 
@@ -321,8 +321,8 @@ static void common_slots(const struct emission *e, struct slots *s)
 /* Of those that hold C functions, with a table that librnea reads. */
 static void function_slots(const struct emission *e, struct slots *s)
 {
-	const struct slot more[] = {{"INFO", info_text(e)}, {"LONG_INFO", long_info_text(e)}, {"PATTERNS", emit_patterns(e)},
-		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"PROTOTYPES", emit_prototypes(e)}, {"BOUNDED", ""}};
+	const char *info = info_text(e);
+	const struct slot more[] = {{"INFO", info}, {"LONG_INFO", long_text(info)}, {"PATTERNS", emit_patterns(e)}, {"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"PROTOTYPES", emit_prototypes(e)}, {"BOUNDED", ""}};
 
 	add_slots(s, more, sizeof more / sizeof *more);
 }
@@ -366,11 +366,8 @@ void emit_source(const struct emission *e, struct text *out)
 	text_init(&kernels, e->arena);
 	emit_kernels(e, &kernels);
 	common_slots(e, &s);
-	if (!is_header(e))
-		function_slots(e, &s);
-	if (is_header(e))
-		header_slots(e, &s);
-	else if (e->target->kernel)
+	(is_header(e) ? header_slots : function_slots)(e, &s);
+	if (e->target->kernel)
 		kernel_slots(e, text_string(&kernels), &s);
 	rest = template_expand_to(out, e->target->frame, "BODIES", s.of, s.count);
 	fold(out, from);

@@ -215,11 +215,13 @@ const char *emit_params(const struct emission *e, const struct function *p, enum
 const char *emit_q_at_sample(const struct emission *e);
 void emit_put_at_sample(const struct emission *e, const struct argument *a, struct text *out);
 
-/* The arrays moved on to sample k of a batch, and the stride of their rows. */
-const char *emit_at_sample(const struct emission *e, const struct function *p);
+/* Arrays of this layout moved on to sample k of a batch, and the stride of their rows. */
+const char *emit_at_sample(const struct emission *e, const struct function *p, enum rneagen_layout layout);
 
 /* From one row of a batch to the next. */
 const char *emit_stride(const struct emission *e);
+/* A batch's count as a parameter, before others, where it is the stride: in layout soa. */
+const char *emit_count_param(enum rneagen_layout layout);
 
 /* C: the macros that the bodies use, the functions that call them, and their declarations. */
 const char *emit_head_c(const struct emission *e);
@@ -264,7 +266,9 @@ void emit_lanes_call_bodies(const struct emission *e, const struct function *p, 
 void emit_lanes_call(const struct emission *e, const struct function *p, struct text *out);
 /* What the function of one sample does. */
 const char *emit_one_call(const struct emission *e, const struct function *p);
-const char *emit_any_name(const struct emission *e, const struct function *p); /* of the function of one sample, with any angles */
+/* The function of one sample, with any angles, that batches call: its name, and its text where it is not the body. */
+const char *emit_any_name(const struct emission *e, const struct function *p);
+void emit_put_any(const struct emission *e, const struct function *p, struct text *out);
 
 /* The arrays of what goes across cuts, or the one that there is: as parameters; the same where compilers are to know that they
    overlap nothing; as those of a segment, for its first sample; their names; their declarations with room for a sample, or for some

@@ -36,10 +36,10 @@ const char *emit_any_name(const struct emission *e, const struct function *p)
 	return emit_has_known(e) || p->segments.count ? "any" : "body";
 }
 
-/* One sample, whatever its angles. */
-static void put_any(const struct emission *e, const struct function *p, struct text *out)
+void emit_put_any(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
+		{"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"CALL_ANY", emit_call_any(e, p)}};
 
 	template_expand(out, template_any_in, slots, sizeof slots / sizeof *slots);
@@ -79,7 +79,7 @@ static void put_functions(const struct emission *e, const struct function *p, st
 	if (p->segments.count)
 		emit_segments_one(e, p, out);
 	else if (emit_has_batches(e) && emit_has_known(e))
-		put_any(e, p, out);
+		emit_put_any(e, p, out);
 	if (emit_has_batches(e))
 		emit_groups(e, p, out);
 	emit_lanes_call(e, p, out);
@@ -94,7 +94,7 @@ static void put_functions(const struct emission *e, const struct function *p, st
 const char *emit_functions_c(const struct emission *e)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type},
-		{"COUNT_PARAM", is_soa(e) ? "size_t count, " : ""},
+		{"COUNT_PARAM", emit_count_param(e->options->layout)},
 		{"Q_AT_SAMPLE", joined(e, emit_q_at_sample(e), emit_stride(e))}};
 	struct text t;
 

@@ -24,11 +24,6 @@ static const char *count_text(const struct emission *e)
 	return is_soa(e) ? "count, " : "";
 }
 
-static const char *count_param(const struct emission *e)
-{
-	return is_soa(e) ? "size_t count, " : "";
-}
-
 /* ---- how many ---- */
 
 /* How many samples a group has: of segments as many as their values have room for. */
@@ -66,9 +61,15 @@ static int is_turned(const struct emission *e, const struct function *p)
 	return !is_soa(e) && !e->target->kernel && has_few(e, p);
 }
 
-int emit_groups_have_rows(const struct emission *e, const struct function *p)
+enum rneagen_layout emit_groups_layout(const struct emission *e, const struct function *p)
 {
-	return is_soa(e) || is_turned(e, p);
+	return is_turned(e, p) ? RNEAGEN_SOA : e->options->layout;
+}
+
+/* Do groups get samples from where they are moved to? */
+static int moves_samples(const struct emission *e, const struct function *p)
+{
+	return has_few(e, p) && emit_groups_layout(e, p) == RNEAGEN_SOA;
 }
 
 /* How many samples are moved at a time. */
@@ -95,8 +96,8 @@ static int angles_argument(const struct emission *e, const struct function *p)
 	return emit_has_known(e) ? dag_find_role(&p->dag, ROLE_JOINT_POSITION, 0) : -1;
 }
 
-/* Whether angles of the samples up to `end` are small. */
-static const char *small_text(const struct emission *e, const struct function *p, const char *from)
+/* Whether these samples' angles are small. */
+static const char *small_text(const struct emission *e, const struct function *p, const char *from, const char *to)
 {
 	int q = angles_argument(e, p);
 	struct text t;
@@ -105,7 +106,7 @@ static const char *small_text(const struct emission *e, const struct function *p
 	if (q < 0)
 		text_put(&t, "1");
 	else
-		text_printf(&t, "%s_are_small(%s, %s%s, end)", e->options->name, p->dag.arguments[q].name, count_text(e), from);
+		text_printf(&t, "%s_are_small(%s, %s%s, %s)", e->options->name, p->dag.arguments[q].name, count_text(e), from, to);
 	return text_string(&t);
 }
 
@@ -115,7 +116,7 @@ static const char *and_small(const struct emission *e, const struct function *p,
 
 	text_init(&t, e->arena);
 	if (angles_argument(e, p) >= 0)
-		text_printf(&t, " && %s", small_text(e, p, from));
+		text_printf(&t, " && %s", small_text(e, p, from, "end"));
 	return text_string(&t);
 }
 
@@ -130,19 +131,6 @@ static const char *many_text(const struct emission *e, const struct function *p,
 	return text_string(&t);
 }
 
-const char *emit_groups_at_sample(const struct emission *e, const struct function *p)
-{
-	struct text t;
-
-	if (!is_turned(e, p))
-		return emit_at_sample(e, p);
-	text_init(&t, e->arena);
-	for (const struct argument *a = p->dag.arguments; a < p->dag.arguments + p->dag.argument_count; a++)
-		text_printf(&t, "%s%s, ", a->name, a->per_batch ? "" : " + k");
-	text_put(&t, "count");
-	return text_string(&t);
-}
-
 /* ---- a group ---- */
 
 static void put_group(const struct emission *e, const struct function *p, struct text *out)
@@ -151,7 +139,7 @@ static void put_group(const struct emission *e, const struct function *p, struct
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"GROUP", emit_int(e, group_of(e, p))},
 		{"WHERE_SMALL", where_small(e)}, {"VECTORS", is_short ? "RNEA_VECTORS " : ""}, {"LOOP", is_short ? "RNEA_LOOP" : "RNEA_ALONE"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
-		{"COUNT_PARAM", emit_groups_have_rows(e, p) ? "size_t count, " : ""}, {"AT_SAMPLE", emit_groups_at_sample(e, p)},
+		{"COUNT_PARAM", emit_count_param(emit_groups_layout(e, p))}, {"AT_SAMPLE", emit_at_sample(e, p, emit_groups_layout(e, p))},
 		{"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
 
 	if (p->segments.count)
@@ -199,7 +187,7 @@ static void put_few(const struct emission *e, const struct function *p, struct t
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"GROUP", emit_int(e, group_of(e, p))},
 		{"WHAT", is_soa(e) ? "Fewer samples than a group has" : "Some samples, turned to [row][sample]"},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param(e)},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", emit_count_param(e->options->layout)},
 		{"ARRAYS", few_arrays(e, p)}, {"FEW_NAMES", few_names(e, p)}, {"GATHER", moves(e, p, 0)}, {"SCATTER", moves(e, p, 1)},
 		{"ROOM", emit_int(e, room_of(e, p))}, {"SAMPLES", many_text(e, p, "samples")}};
 
@@ -220,7 +208,7 @@ void emit_groups_moves(const struct emission *e, struct text *out)
 	int users = 0, direct = 0;
 
 	for (int i = 0; i < e->function_count; i++) {
-		users += has_few(e, &e->functions[i]) && emit_groups_have_rows(e, &e->functions[i]);
+		users += moves_samples(e, &e->functions[i]);
 		direct += is_direct(e, &e->functions[i]);
 	}
 	if (!users)
@@ -248,14 +236,13 @@ static const char *next_text(const struct emission *e, const struct function *p)
 /* Some samples that fill groups. */
 static const char *whole_groups(const struct emission *e, const struct function *p)
 {
-	int q = angles_argument(e, p);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"COUNT", count_text(e)},
-		{"MANY", many_text(e, p, "next - first")}, {"Q", q >= 0 ? p->dag.arguments[q].name : ""},
+		{"MANY", many_text(e, p, "next - first")}, {"SMALL", small_text(e, p, "first", "next")},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}};
 	struct text t;
 
 	text_init(&t, e->arena);
-	template_expand(&t, q >= 0 ? template_part_small_in : template_part_any_in, slots, sizeof slots / sizeof *slots);
+	template_expand(&t, angles_argument(e, p) >= 0 ? template_part_small_in : template_part_any_in, slots, sizeof slots / sizeof *slots);
 	return text_string(&t);
 }
 
@@ -278,11 +265,11 @@ static void put_part(const struct emission *e, const struct function *p, const c
 	text_init(&back, e->arena);
 	text_printf(&back, "end - %s", group);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"GROUP", group},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", count_param(e)}, {"COUNT", count_text(e)},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", emit_count_param(e->options->layout)}, {"COUNT", count_text(e)},
 		{"LAST_IS_SMALL", and_small(e, p, text_string(&back))}, {"IS_SMALL", and_small(e, p, "first")},
-		{"SMALL", small_text(e, p, "first")},
+		{"SMALL", small_text(e, p, "first", "end")},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ONE_GROUP", many_text(e, p, group)}, {"ELSE_FEW", else_few(e, p)},
-		{"ANY", emit_any_name(e, p)}, {"AT_SAMPLE", emit_at_sample(e, p)}, {"NEXT", next_text(e, p)}, {"PART", whole_groups(e, p)},
+		{"ANY", emit_any_name(e, p)}, {"AT_SAMPLE", emit_at_sample(e, p, e->options->layout)}, {"NEXT", next_text(e, p)}, {"PART", whole_groups(e, p)},
 		{"ROOM", emit_int(e, room_of(e, p))}, {"AT_A_TIME", emit_int(e, AT_A_TIME)},
 		{"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
 
@@ -294,7 +281,7 @@ void emit_groups(const struct emission *e, const struct function *p, struct text
 	put_part(e, p, template_part_each_in, out);
 	text_put(out, is_direct(e, p) ? UNLESS_CLANG : "");
 	put_group(e, p, out);
-	if (has_few(e, p) && emit_groups_have_rows(e, p))
+	if (moves_samples(e, p))
 		put_few(e, p, out);
 	put_part(e, p, is_turned(e, p) ? template_part_turned_in : template_part_in, out);
 	if (is_direct(e, p)) {

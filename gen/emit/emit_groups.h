@@ -10,9 +10,7 @@ void emit_groups(const struct emission *e, const struct function *p, struct text
 /* What moves samples into arrays of a group's own and back: once for all functions; nothing where none does. */
 void emit_groups_moves(const struct emission *e, struct text *out);
 
-/* Do groups have arrays [row][sample], in layout soa, or since samples are turned before? Then they take a count, which is the
-   stride. And their arguments at sample k, with the stride. */
-int emit_groups_have_rows(const struct emission *e, const struct function *p);
-const char *emit_groups_at_sample(const struct emission *e, const struct function *p);
+/* The layout of the arrays that a group gets: the text's, or soa where samples are turned before. */
+enum rneagen_layout emit_groups_layout(const struct emission *e, const struct function *p);
 
 #endif

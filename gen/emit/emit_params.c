@@ -12,7 +12,9 @@ const char *emit_trig_name(enum rneagen_trig trig)
 
 const char *emit_only_name(int only)
 {
-	static const char *const names[] = {[RNEAGEN_ONLY_RNEA] = "rnea", [RNEAGEN_ONLY_FD] = "fd", [RNEAGEN_ONLY_KIN] = "kin"};
+#define ONLY_NAME(upper, word) [RNEAGEN_ONLY_##upper] = word,
+	static const char *const names[] = {RNEAGEN_ONLY_WORDS(ONLY_NAME)};
+#undef ONLY_NAME
 
 	return names[only];
 }
@@ -60,19 +62,29 @@ void emit_options(const struct rneagen_options *o, struct text *out)
 			text_printf(out, "%s%s", i ? "," : " --gravity ", number_plain(o->gravity[i]).s);
 }
 
+const char *emit_count_param(enum rneagen_layout layout)
+{
+	return layout == RNEAGEN_SOA ? "size_t count, " : "";
+}
+
 const char *emit_stride(const struct emission *e)
 {
 	return e->options->layout == RNEAGEN_SOA ? "count" : "1";
 }
 
-void emit_put_at_sample(const struct emission *e, const struct argument *a, struct text *out)
+static void put_at_sample(const struct argument *a, enum rneagen_layout layout, struct text *out)
 {
 	if (a->per_batch)
 		text_put(out, a->name);
-	else if (e->options->layout == RNEAGEN_SOA)
+	else if (layout == RNEAGEN_SOA)
 		text_printf(out, "%s + k", a->name);
 	else
 		text_printf(out, "%s + k*%d", a->name, a->rows);
+}
+
+void emit_put_at_sample(const struct emission *e, const struct argument *a, struct text *out)
+{
+	put_at_sample(a, e->options->layout, out);
 }
 
 static void put_declaration(const struct emission *e, const struct argument *a, enum params kind, struct text *out)
@@ -129,12 +141,16 @@ const char *emit_q_at_sample(const struct emission *e)
 	return text_string(&t);
 }
 
-const char *emit_at_sample(const struct emission *e, const struct function *p)
+const char *emit_at_sample(const struct emission *e, const struct function *p, enum rneagen_layout layout)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
-	text_printf(&t, "%s, %s", emit_params(e, p, PARAMS_AT_SAMPLE), emit_stride(e));
+	for (const struct argument *a = p->dag.arguments; a < p->dag.arguments + p->dag.argument_count; a++) {
+		put_at_sample(a, layout, &t);
+		text_put(&t, ", ");
+	}
+	text_put(&t, layout == RNEAGEN_SOA ? "count" : "1");
 	return text_string(&t);
 }
 

@@ -120,7 +120,7 @@ static void put_lane(const struct emission *e, const struct function *p, const s
 			continue;
 		text_printf(out, "\t%s%s *const %s = first_%s + l", a->is_output ? "" : "const ", e->memory->type,
 			a->name, a->name);
-		if (!emit_groups_have_rows(e, p))
+		if (emit_groups_layout(e, p) == RNEAGEN_AOS)
 			text_printf(out, "*%d", a->rows);
 		text_put(out, ";\n");
 	}
@@ -235,8 +235,8 @@ static void put_lanes_function(const struct emission *e, const struct function *
 	const struct segments *s = &p->segments;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 		{"LANES", emit_int(e, emit_lanes(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
-		{"COUNT_PARAM", emit_groups_have_rows(e, p) ? "size_t count, " : ""},
-		{"RESTRICT_ACROSS", emit_across(e, s, ACROSS_RESTRICT)}, {"AT_SAMPLE", emit_groups_at_sample(e, p)},
+		{"COUNT_PARAM", emit_count_param(emit_groups_layout(e, p))},
+		{"RESTRICT_ACROSS", emit_across(e, s, ACROSS_RESTRICT)}, {"AT_SAMPLE", emit_at_sample(e, p, emit_groups_layout(e, p))},
 		{"ACROSS_NAMES", emit_across(e, s, ACROSS_NAME)}, {"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
 
 	template_expand(out, template_segment_lanes_in, slots, sizeof slots / sizeof *slots);
@@ -306,7 +306,7 @@ static const char *lanes_calls(const struct emission *e, const struct function *
 		if (emit_is_loop(p, k))
 			emit_columns_many_calls(e, p, k, &t);
 		else
-			put_call(e, p, k, "\t", "lanes", emit_groups_have_rows(e, p) ? "count, first" : "first", "", &t);
+			put_call(e, p, k, "\t", "lanes", emit_groups_layout(e, p) == RNEAGEN_SOA ? "count, first" : "first", "", &t);
 	return text_string(&t);
 }
 
@@ -368,20 +368,19 @@ void emit_segments_one(const struct emission *e, const struct function *p, struc
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"MANY", emit_has_batches(e) ? many_functions(e, many_of(p)) : ""}, {"FUNCTIONS", one_functions(e, p)},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)},
-		{"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""}, {"CALL_ANY", emit_call_any(e, p)},
-		{"ONE_BODY", one_body(e, p)}};
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"ONE_BODY", one_body(e, p)}};
 
 	text_put(out, emit_lanes_instead(e, p) ? EMIT_UNLESS_LANES : "");
 	template_expand(out, template_segments_one_in, slots, sizeof slots / sizeof *slots);
+	emit_put_any(e, p, out);
 	text_put(out, emit_lanes_instead(e, p) ? "#endif\n" : "");
 }
 
 void emit_segments_group(const struct emission *e, const struct function *p, const char *where_small, struct text *out)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
-		{"GROUP", emit_int(e, emit_lanes(e, &many_of(p)->segments))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
-		{"WHERE_SMALL", where_small}, {"COUNT_PARAM", emit_groups_have_rows(e, p) ? "size_t count, " : ""},
+		{"GROUP", emit_int(e, emit_segments_lanes(e, p))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
+		{"WHERE_SMALL", where_small}, {"COUNT_PARAM", emit_count_param(emit_groups_layout(e, p))},
 		{"CALLS", lanes_calls(e, many_of(p))}, {"DECLARATIONS", emit_columns_many_declarations(e, many_of(p))}};
 
 	template_expand(out, template_group_segments_in, slots, sizeof slots / sizeof *slots);

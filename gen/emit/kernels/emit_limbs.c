@@ -165,7 +165,7 @@ static const char *cases_text(const struct emission *e, const struct crew *c)
 
 		for (int i = 0; i < p->limbs.warps; i++)
 			text_printf(&t, "\tcase %d:\n\t\t%s_%s_limb%d(%s, across%s);\n\t\tbreak;\n", k * p->limbs.warps + i,
-				e->options->name, p->algorithm->name, i, emit_at_sample(e, p), p->limbs.first.count ? ", sines" : "");
+				e->options->name, p->algorithm->name, i, emit_at_sample(e, p, e->options->layout), p->limbs.first.count ? ", sines" : "");
 	}
 	return text_string(&t);
 }

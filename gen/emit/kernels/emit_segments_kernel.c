@@ -28,7 +28,7 @@ int emit_segments_block(const struct emission *e, const struct function *p)
 static const char *loops_in_kernel(const struct emission *e, const struct function *p)
 {
 	int has_angles = emit_has_known(e) && emit_has_angles(e, p);
-	const char *at_sample = emit_at_sample(e, p);
+	const char *at_sample = emit_at_sample(e, p, e->options->layout);
 	struct text t;
 
 	text_init(&t, e->arena);

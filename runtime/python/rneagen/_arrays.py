@@ -66,15 +66,24 @@ def identifiers(arrays: Sequence[Array]) -> list[str]:
 
 def fill(array: Array, lead: tuple[int, ...], dtype) -> numpy.ndarray:
     """What an input that was left out is."""
-    shape = array.shape if array.per_batch else (*lead, *array.shape)
-    return numpy.ascontiguousarray(numpy.broadcast_to(numpy.asarray(array.default, dtype), shape))
+    return spread(array.default, array.shape if array.per_batch else (*lead, *array.shape), dtype)
+
+
+def spread(values: Any, shape: tuple[int, ...], dtype) -> numpy.ndarray:
+    """An array with values that are the same for all samples."""
+    return numpy.ascontiguousarray(numpy.broadcast_to(numpy.asarray(values, dtype), shape))
 
 
 ENOUGH = 3  # inputs, with which `out` may be given by its place; with fewer, one that other outputs take would be written over
 
 
-def takes(names: list[str]) -> str:
-    if len(names) >= ENOUGH:
+def places(inputs: int) -> int:
+    """How many arrays a call may name by their place."""
+    return inputs + (inputs >= ENOUGH)
+
+
+def takes(names: Sequence[str], has_out: bool) -> str:
+    if has_out:
         return f"the robot takes {', '.join([*names, 'and out'])}"
     return f"the robot takes {', '.join(names) or 'no array'}; what it writes into is named, out="
 
@@ -82,14 +91,15 @@ def takes(names: list[str]) -> str:
 def arguments(robot, args: tuple, kwargs: dict[str, Any]) -> tuple[list[Any], Any]:
     """By input the array that was given, or None for one that may be left out; and out."""
     inputs, names = robot.inputs, [a.name for a in robot.inputs]
-    if len(args) > len(names) + (len(names) >= ENOUGH):
-        raise TypeError(f"{len(args)} arrays: {takes(names)}")
+    has_out = places(len(names)) > len(names)
+    if len(args) > places(len(names)):
+        raise TypeError(f"{len(args)} arrays: {takes(names, has_out)}")
     given = dict(zip((*names, "out"), args))
     for name, value in kwargs.items():
         name = {a.word: a.name for a in inputs}.get(name, name)
         if name not in (*names, "out"):
             near = difflib.get_close_matches(name, (*names, "out"), 1)
-            raise TypeError(f"'{name}' is no input: {takes(names)}" + (f"; did you mean '{near[0]}'?" if near else ""))
+            raise TypeError(f"'{name}' is no input: {takes(names, has_out)}" + (f"; did you mean '{near[0]}'?" if near else ""))
         if name in given:
             raise TypeError(f"{name} is given twice")
         given[name] = value
@@ -189,7 +199,7 @@ def plain(out: Any):
 
 def constant(values: numpy.ndarray, shape: tuple[int, ...], like: Any):
     """An array like `like` with values that are the same for all samples."""
-    return numpy.ascontiguousarray(numpy.broadcast_to(values.astype(like.dtype), shape))
+    return spread(values, shape, like.dtype)
 
 
 def _returned(out: Any, result: Any):

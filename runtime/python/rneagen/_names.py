@@ -1,7 +1,7 @@
 """Calls by Pinocchio's names: with all arrays that its function takes, though an output may not read each of them."""
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy
 
@@ -15,7 +15,7 @@ def call(robot, names: tuple[str, ...], args: tuple, kwargs: dict[str, Any]):
         return robot(*args, **kwargs)
     given = _given(robot, names, args, kwargs)
     unread = {n: given.pop(n) for n in names if n not in read and n in given}
-    lead = _lead(robot, names, {**{n: given[n] for n in names if given.get(n) is not None}, **unread})
+    lead = _lead(robot, {**{n: given[n] for n in names if given.get(n) is not None}, **unread})
     result = robot(**given)
     if any(not a.per_batch for a in robot.inputs) or given.get("out") is not None or not unread:
         return result
@@ -25,8 +25,7 @@ def call(robot, names: tuple[str, ...], args: tuple, kwargs: dict[str, Any]):
 def _given(robot, names: tuple[str, ...], args: tuple, kwargs: dict[str, Any]) -> dict[str, Any]:
     places = (*names, *(a.name for a in robot.inputs if a.name not in names))
     if len(args) > len(places):
-        raise TypeError(f"{len(args)} arrays: {_arrays.takes(list(places[:2]))}" if len(places) < _arrays.ENOUGH else
-                        f"{len(args)} arrays: the robot takes {', '.join(places)}; what it writes into is named, out=")
+        raise TypeError(f"{len(args)} arrays: {_arrays.takes(places, has_out=False)}")
     given = dict(zip(places, args))
     for name, value in kwargs.items():
         if name in given:
@@ -35,20 +34,18 @@ def _given(robot, names: tuple[str, ...], args: tuple, kwargs: dict[str, Any]) -
     return given
 
 
-def _lead(robot, names: tuple[str, ...], arrays: dict[str, Any]) -> tuple[int, ...]:
+class Taken(NamedTuple):
+    """What _arrays.lead_of looks at of an input."""
+    name: str
+    shape: tuple[int, ...]
+    per_batch: bool = False
+
+
+def _lead(robot, arrays: dict[str, Any]) -> tuple[int, ...]:
     """The axes of samples, which are the same of all."""
-    rows = {n: robot.nq if n == "q" else robot.nv for n in names}
-    lead, first = None, ""
     for name, x in arrays.items():
         _arrays.kind_of(name, x)
-        shape = tuple(x.shape)
-        if shape[-1:] != (rows[name],):
-            raise ValueError(f"{name}: its shape is {shape}; {(rows[name],)} is wanted, or axes of samples before it")
-        if lead is None:
-            lead, first = shape[:-1], name
-        elif shape[:-1] != lead:
-            raise ValueError(f"{name}: its shape is {shape}; {(*lead, rows[name])} goes with {first}")
-    return lead or ()
+    return _arrays.lead_of((Taken(n, (robot.nq if n == "q" else robot.nv,)), tuple(x.shape)) for n, x in arrays.items())
 
 
 def _spread(robot, result, lead: tuple[int, ...], unread: tuple[str, Any]):

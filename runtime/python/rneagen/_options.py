@@ -9,7 +9,6 @@ from . import _core
 
 SCENE = _core.scene_words()  # word: (takes a value: 0 no, 1 yes, 2 may; kind)
 MODEL = ("precision", "trig", "base", "gravity", "mimic", "order", "strict")  # beside the scene: what is computed
-ONLY = {"rnea": 2, "fd": 3, "kin": 4}  # of RNEAGEN_ONLY_*
 COUNTED = {"parts": ("auto",), "segments": ("auto", "whole"), "limbs": ("auto", "none")}  # numbers, and words that are 0 and 1
 TEXT = ("target", "layout", "name", "bounded", "only", *COUNTED)  # what kind of text
 OPEN = ("backend", "device", "threads", "block", "cache")  # where it runs
@@ -120,10 +119,6 @@ def generator(options: dict[str, Any], file: str) -> dict[str, Any]:
             x = int(bool(x))
         elif keyword == "order" and not isinstance(x, str):
             x = ",".join(names(keyword, x))
-        elif keyword == "only":
-            if x not in ONLY:
-                raise ValueError(f"only takes {' or '.join(ONLY)}, not {x!r}")
-            x = ONLY[x]
         elif keyword in COUNTED and isinstance(x, str):
             if x not in COUNTED[keyword]:
                 raise ValueError(f"{keyword} takes {' or '.join(('a number', *COUNTED[keyword]))}, not {x!r}")

@@ -123,8 +123,8 @@ class Robot(_core.Robot):
         self._kernels: dict[tuple, Any] = {}
         self._wanted: dict[tuple, Robot] = {}
         self._lock = threading.RLock()
-        self._define(tuple((a.name, a.rows, a.shape, a.per_batch) for a in arrays), len(self.inputs), self._outputs, NUMPY,
-                     not (self._conversion or self._is_sparse))
+        self._define(tuple((a.name, a.rows, a.shape, a.per_batch) for a in arrays), len(self.inputs),
+                     _arrays.places(len(self.inputs)), self._outputs, NUMPY, not (self._conversion or self._is_sparse))
         self._key = str(next(KEYS))
         ALIVE[self._key] = self
         if "torch" in sys.modules:  # torch.compile sees no call in C, so a robot becomes one in Python

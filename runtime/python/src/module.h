@@ -10,8 +10,8 @@
 #include "rnea.h"
 #include "rneagen.h"
 
-/* Fill *o from a dictionary: words for target, precision, layout, trig, base, mimic; numbers for strict, bounded,
-   only, parts, segments, tell; three of gravity; strings for order, name, file, scene, which stay the
+/* Fill *o from a dictionary: words for target, precision, layout, trig, base, mimic, only; numbers for strict, bounded,
+   parts, segments, tell; three of gravity; strings for order, name, file, scene, which stay the
    dictionary's. 0, or -1 and an exception. */
 int options_take(PyObject *dict, struct rneagen_options *o);
 

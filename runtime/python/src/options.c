@@ -88,6 +88,8 @@ static const struct word trigs[] = {
 	{"accurate", RNEAGEN_ACCURATE}, {"bounded", RNEAGEN_BOUNDED}, {"fast", RNEAGEN_FAST}, {NULL, 0}};
 static const struct word bases[] = {{"fixed", RNEAGEN_FIXED}, {"floating", RNEAGEN_FLOATING}, {NULL, 0}};
 static const struct word mimics[] = {{"honour", RNEAGEN_MIMIC_HONOUR}, {"independent", RNEAGEN_MIMIC_INDEPENDENT}, {NULL, 0}};
+#define ONLY_WORD(name, word) {word, RNEAGEN_ONLY_##name},
+static const struct word onlys[] = {RNEAGEN_ONLY_WORDS(ONLY_WORD){NULL, 0}};
 static const struct word backends[] = {{"any", RNEA_BACKEND_ANY}, {"cuda", RNEA_BACKEND_CUDA}, {"cpu", RNEA_BACKEND_HOST},
 	{"evaluator", RNEA_BACKEND_EVALUATOR}, {NULL, 0}};
 
@@ -114,6 +116,8 @@ static int take_choice(const char *key, PyObject *value, struct rneagen_options 
 	} else if (!strcmp(key, "mimic")) {
 		bad = take_word(key, value, mimics, &x);
 		o->mimic = (enum rneagen_mimic)x;
+	} else if (!strcmp(key, "only")) {
+		bad = take_word(key, value, onlys, &o->only);
 	}
 	return bad;
 }
@@ -123,7 +127,7 @@ static int take_option(const char *key, PyObject *value, struct rneagen_options 
 	const struct {
 		const char *key;
 		int *value;
-	} numbers[] = {{"strict", &o->strict}, {"bounded", &o->bounded}, {"only", &o->only}, {"parts", &o->parts},
+	} numbers[] = {{"strict", &o->strict}, {"bounded", &o->bounded}, {"parts", &o->parts},
 		{"segments", &o->segments}, {"limbs", &o->limbs}, {"tell", (int *)&o->tell}};
 	const struct {
 		const char *key, **value;

@@ -6,6 +6,7 @@ struct caller {
 	PyObject_HEAD
 	struct array arrays[RNEA_ARGUMENT_LIMIT];
 	int input_count, count; /* 0: it is not defined yet */
+	int places;             /* arrays that a call may name by their place: inputs, and out where it may */
 	PyObject *outputs;      /* the named tuple of several outputs; None */
 	PyObject *ndarray, *empty, *dtypes[SCALARS];
 	PyObject *kernels[SCALARS]; /* NULL: not open yet */
@@ -38,7 +39,7 @@ static PyObject *robot_define(PyObject *self, PyObject *args)
 	PyObject *arrays, *numpy[4];
 	Py_ssize_t count, inputs;
 
-	if (r->count || !PyArg_ParseTuple(args, "O!nO(OOOO)p", &PyTuple_Type, &arrays, &inputs, &r->outputs, &numpy[0],
+	if (r->count || !PyArg_ParseTuple(args, "O!niO(OOOO)p", &PyTuple_Type, &arrays, &inputs, &r->places, &r->outputs, &numpy[0],
 				&numpy[1], &numpy[2], &numpy[3], &r->is_direct))
 		return NULL;
 	Py_INCREF(r->outputs);
@@ -215,22 +216,13 @@ static int are_plain(const struct caller *r, PyObject *out)
 	return !out || PyTuple_Check(out) || (PyObject *)Py_TYPE(out) == r->ndarray;
 }
 
-/* How many arrays a call may name by their place: `out` too where there are three inputs or more. With fewer, one that is an
-   input of other outputs would be written over. */
-static Py_ssize_t most_by_place(const struct caller *r)
-{
-	enum { ENOUGH = 3 };
-
-	return r->input_count + (r->input_count >= ENOUGH);
-}
-
 /* Is it a call that needs no more than what is here: every input there, by its name, and of NumPy's own type? */
 static int gather(const struct caller *r, PyObject *args, PyObject *names, struct given *g)
 {
 	Py_ssize_t count = PyTuple_Size(args), at = 0;
 	PyObject *name, *value;
 
-	if (!r->is_direct || count > most_by_place(r))
+	if (!r->is_direct || count > r->places)
 		return 0;
 	memset(g->inputs, 0, (size_t)r->input_count * sizeof *g->inputs);
 	g->out = NULL;
@@ -311,7 +303,7 @@ static PyObject *robot_bind(PyObject *self, PyTypeObject *defining, PyObject *co
 
 static PyMethodDef methods[] = {
 	{"_define", robot_define, METH_VARARGS,
-		"_define(arrays, input_count, outputs, (ndarray, empty, float32, float64), is_direct)"},
+		"_define(arrays, input_count, places, outputs, (ndarray, empty, float32, float64), is_direct)"},
 	{"_run", robot_run, METH_VARARGS, "_run(arrays, out): a call on arrays of NumPy."},
 	{"_bind", (PyCFunction)(void (*)(void))robot_bind, METH_METHOD | METH_FASTCALL | METH_KEYWORDS,
 		"_bind(arrays, out): a Step."},
