@@ -1,0 +1,30 @@
+"""Functions of texts for target C, as scripts call them: what they take, and the functions themselves."""
+import ctypes
+import os
+import re
+import shutil
+import subprocess
+from typing import NamedTuple
+
+CC = shutil.which(os.environ.get("CC", "cc"))
+
+
+class Signature(NamedTuple):
+    name: str
+    parameters: str  # as they are declared
+    arrays: list  # their names, the inputs first
+    inputs: int
+
+
+def signature(text, name):
+    """Of the function of one sample with this name, a pattern, out of a text or its header."""
+    name, parameters = re.search(rf"\nvoid ({name})\(([^;]*?)\)", text).groups()
+    return Signature(name, parameters, re.findall(r"(\w+)\[", parameters), parameters.count("const "))
+
+
+def loaded(text, name):
+    """The function of the text at this path, compiled without optimisation, and the names of its arrays."""
+    library = text.with_suffix(".so")
+    subprocess.run([CC, "-std=c11", "-O0", "-Dalways_inline=unused", "-shared", "-fPIC", "-o", library, text, "-lm"], check=True)
+    found = signature(text.with_suffix(".h").read_text(), name)
+    return getattr(ctypes.CDLL(str(library)), found.name), found.arrays
