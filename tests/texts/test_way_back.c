@@ -2,7 +2,7 @@
    solved in a loop behind them: one sample's and a batch's, compiled as C, beside central differences of the independent reference.
    This would catch a coordinate that another one's vector writes over, an element in another's place, one that no loop makes, and
    what is shared but made too late. */
-#include "launched.h"
+#include "texts/kernels/launched.h"
 #include "reference/differences.h"
 #include "reference/forward.h"
 #include "support/exhaustive.h"
