@@ -1,6 +1,7 @@
 #include "cli/options.h"
 #include "cli/files.h"
 #include "base/number.h"
+#include "scene/scene_lines.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -187,24 +188,6 @@ static int take_scene_file(const char *command, struct rneagen_options *o, const
 		      : bad;
 }
 
-/* A line of the scene, which keeps its dashes: a word, and in quotes a value, which has them escaped. */
-static void put_escaped(enum scene_key key, const char *value, struct text *t)
-{
-	text_printf(t, value ? "--%s \"%s\"" : "--%s", scene_word(key), value);
-}
-
-/* The same of a value as it is. */
-static void put_scene_line(enum scene_key key, const char *value, struct text *t)
-{
-	text_printf(t, value ? "--%s \"" : "--%s", scene_word(key));
-	for (const char *s = value ? value : ""; *s; s++) {
-		if (*s == '"' || *s == '\\' || *s == '\n')
-			text_putc(t, '\\');
-		text_putc(t, *s == '\n' ? 'n' : *s);
-	}
-	text_put(t, value ? "\"" : "");
-}
-
 static int take_scene_line(const char *command, struct rneagen_options *o, enum scene_key key, const char *value)
 {
 	struct arena a;
@@ -213,82 +196,28 @@ static int take_scene_line(const char *command, struct rneagen_options *o, enum 
 
 	arena_init(&a, NULL);
 	text_init(&line, &a);
-	put_scene_line(key, value, &line);
+	scene_put_line(key, value, &line);
 	bad = add_scene(command, o, line.failed ? NULL : text_string(&line), line.length);
 	arena_free(&a);
 	return bad;
-}
-
-/* "JOINT" NUMBER, quoted as in a scene, becomes "JOINT=NUMBER"; NULL if it is none. */
-static const char *join_quoted(char *line)
-{
-	char *quote = line + 1, *value;
-
-	for (; *quote && *quote != '"'; quote++)
-		quote += *quote == '\\' && quote[1];
-	value = quote + (*quote == '"');
-	if (*value != ' ' && *value != '\t')
-		return NULL;
-	value += strspn(value, " \t");
-	*quote = '=';
-	memmove(quote + 1, value, strlen(value) + 1);
-	return line + 1;
-}
-
-/* JOINT NUMBER becomes JOINT=NUMBER; NULL if it is none. */
-static const char *join_plain(char *line)
-{
-	char *value = line + strlen(line);
-
-	while (value > line && !strchr(" \t", value[-1]))
-		value--;
-	if (value == line)
-		return NULL;
-	value[-1] = '=';
-	return line;
-}
-
-/* A line of a file of rotor inertias becomes a line of the scene; what stands after a # at its beginning is a comment. */
-static int put_armature_line(const char *command, const char *path, int number, char *line, struct text *t)
-{
-	char *end = line + strlen(line);
-	int is_quoted;
-	const char *pair;
-
-	while (end > line && strchr(" \t\r", end[-1]))
-		*--end = '\0';
-	line += strspn(line, " \t");
-	if (!*line || *line == '#')
-		return 0;
-	is_quoted = *line == '"';
-	pair = is_quoted ? join_quoted(line) : join_plain(line);
-	if (!pair)
-		return option_refuse(command, "%s: line %d: '%s' is not JOINT NUMBER", path, number, line);
-	text_put(t, t->length ? "\n" : "");
-	(is_quoted ? put_escaped : put_scene_line)(SCENE_ARMATURE, pair, t);
-	return 0;
 }
 
 /* A file of rotor inertias, one joint on a line. */
 static int take_armature(const char *command, struct rneagen_options *o, const char *path)
 {
 	struct file_content f = {0};
-	int bad, number = 0;
+	struct rneagen_error e = {0};
 	struct arena a;
 	struct text lines;
-	char *next;
+	int bad;
 
 	if (!option_file(OPTION_SCENE + SCENE_ARMATURE, path))
 		return take_scene_line(command, o, SCENE_ARMATURE, path);
 	bad = read_text(command, path, &f);
 	arena_init(&a, NULL);
 	text_init(&lines, &a);
-	for (char *line = f.bytes; line && !bad; line = next) {
-		next = strchr(line, '\n');
-		if (next)
-			*next++ = '\0';
-		bad = put_armature_line(command, path, ++number, line, &lines);
-	}
+	if (!bad && scene_put_armature(path, f.bytes, &lines, &e) == RNEAGEN_SCENE)
+		bad = option_refuse(command, "%s", e.message);
 	if (!bad && (lines.failed || lines.length))
 		bad = add_scene(command, o, lines.failed ? NULL : text_string(&lines), lines.length);
 	arena_free(&a);

@@ -225,13 +225,59 @@ def case_transforms():
     assert near(func.grad(lambda x: robot(x, qd, qdd).sum())(q), right.dtau_dq.sum(-2))
     load_of = torch.zeros(4, 10, dtype=torch.float64, device=device)
     refused(NotImplementedError, ["vmap", "payload_iiwa_link_7", ":sample"], func.vmap(lambda x: robot(q, qd, qdd, x)), load_of)
-    refused(NotImplementedError, ["backward", "jacrev"], func.jacfwd(lambda x: robot(x, qd[0], qdd[0])), q[0])
-    with torch.autograd.forward_ad.dual_level():
-        dual = torch.autograd.forward_ad.make_dual(q, qd)
-        refused(NotImplementedError, ["backward"], robot, dual, qd, qdd)
+    assert near(func.jacfwd(lambda x: robot(x, qd[0], qdd[0]))(q[0]), right.dtau_dq[0])
     q.requires_grad_()
     first, = torch.autograd.grad(robot(q, qd, qdd).sum(), q, create_graph=True)
     refused(NotImplementedError, ["second derivatives", "iiwa14"], first.sum().backward)
+
+
+def case_forward():
+    """Tangents beside gradients: w . (J d) is (J' w) . d."""
+    draw = torch.Generator().manual_seed(SEED)
+    for options in ({}, {"want": ["tau", "M"]}, {"base": "floating"}, {"free": ["gravity", "payload.iiwa_link_7"]}, {"want": "qdd"}):
+        robot = load("iiwa14", **options)
+        x = tensors(robot, 3)
+        if robot.nq > robot.nv:
+            x[0][:, 3:7] /= x[0][:, 3:7].norm(dim=-1, keepdim=True)
+        d = [torch.randn(y.shape, dtype=y.dtype, generator=draw).to(device) for y in x]
+
+        def flat(*arrays):
+            made = robot(*arrays)
+            return torch.cat([y.reshape(-1) for y in (made if isinstance(made, tuple) else (made,))])
+
+        value, along = torch.func.jvp(flat, tuple(x), tuple(d))
+        back = torch.func.vjp(flat, *x)[1](value)
+        assert near(value @ along, sum((a * b).sum() for a, b in zip(back, d)), 1e-11), options
+        with torch.autograd.forward_ad.dual_level():
+            dual = flat(*(torch.autograd.forward_ad.make_dual(a, b) for a, b in zip(x, d)))
+            assert torch.equal(torch.autograd.forward_ad.unpack_dual(dual).tangent, along), options
+
+
+def case_pieces():
+    """Tensors in several pieces are copied: of a state that is split, and where a gradient goes back to it."""
+    robot = load("iiwa14")
+    q, qd, qdd = tensors(robot, 6)
+    state, tau = torch.cat([q, qd, qdd], -1).requires_grad_(), robot(q, qd, qdd)
+    assert torch.equal(robot(*state.detach().chunk(3, -1)), tau) and torch.equal(robot(q, qd, qdd.T.contiguous().T), tau)
+    assert torch.equal(robot(q, qd[0].expand(6, 7), qdd), robot(q, qd[0].repeat(6, 1), qdd))
+    robot(*state.chunk(3, -1)).sum().backward()
+    assert near(state.grad[:, :7], robot.want("dtau_dq")(q, qd, qdd).sum(-2))
+    compiled = torch.compile(lambda s: robot(*s.chunk(3, -1)) * 1, fullgraph=True, backend=backend)
+    assert torch.equal(compiled(state.detach()), tau)
+    refused(ValueError, ["qdd", "contiguous"], robot.bind, q, qd, qdd.T.contiguous().T)
+    refused(ValueError, ["out", "contiguous"], robot, q, qd, qdd, out=torch.empty(7, 6, dtype=qdd.dtype, device=device).T)
+
+
+def case_autocast():
+    """Halves that a layer leaves are taken as float32."""
+    robot, layer = load("iiwa14"), torch.nn.Linear(7, 7).to(device)
+    q, qd, qdd = (x.float() for x in tensors(robot, 6))
+    with torch.autocast(device, torch.bfloat16):
+        made = layer(q)
+        tau = robot(made, qd, qdd)
+        tau.sum().backward()
+    assert made.dtype == torch.bfloat16 and tau.dtype == torch.float32 and torch.equal(tau, robot(made.float(), qd, qdd))
+    assert layer.weight.grad.abs().sum() > 0
 
 
 def case_compile():
@@ -327,7 +373,6 @@ def case_refusals():
     refused(TypeError, ["q", "float16"], robot, q.half(), qd.half(), qdd.half())
     refused(ValueError, ["qd", "(6, 6)"], robot, q, qd[:, :6].contiguous(), qdd)
     refused(ValueError, ["qd", "(5, 7)", "(6, 7)", "q"], robot, q, qd[:5], qdd)
-    refused(ValueError, ["qdd", "contiguous"], robot, q, qd, qdd.T.contiguous().T)
     refused(TypeError, ["qd", "NumPy", "PyTorch"], robot, q, qd.cpu().numpy(), qdd)
     refused(TypeError, ["qd", "PyTorch", "NumPy"], robot, q.cpu().numpy(), qd, qdd)
     refused(TypeError, ["qdd", "missing"], robot, q, qd)

@@ -6,6 +6,7 @@ import difflib
 import functools
 import importlib
 import keyword
+import math
 import re
 from typing import Any, Iterable, Sequence
 
@@ -36,6 +37,12 @@ class Array:
         return self.pattern is not None
 
 
+def is_whole(array: dict[str, Any]) -> bool:
+    """Is an entry of _core.Model.arrays() neither a matrix of which only a part is stored, nor a product of its derivative?"""
+    *_, lines, columns = array["pattern"] or (array["rows"], 1)
+    return array["rows"] == lines * columns and array["role"] not in ("jvp", "vjp")
+
+
 def describe(array: dict[str, Any], nv: int, sparse: bool) -> Array:
     """An entry of _core.Model.arrays()."""
     rows, pattern = array["rows"], array["pattern"]
@@ -53,6 +60,8 @@ def describe(array: dict[str, Any], nv: int, sparse: bool) -> Array:
         shape = (nv, rows // nv)
     if array["default"] is not None:
         array["default"] = tuple(array["default"] + [0.0] * (rows - len(array["default"])))
+    if rows != math.prod(shape):
+        raise AssertionError(f"{array['name']}: {rows} rows are no {shape}")
     array = {**array, "pattern": (tuple(pattern[0]), tuple(pattern[1])) if pattern else None}
     return Array(shape=shape, size=(lines, columns), **array)
 

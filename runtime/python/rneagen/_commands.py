@@ -46,7 +46,7 @@ def generate(urdf: str | os.PathLike | bytes, target: str = "cuda", **options: A
         file = os.fspath(urdf)
         urdf = Path(urdf).read_bytes()
     urdf = urdf if isinstance(urdf, bytes) else str(urdf).encode()
-    made = translated(_core.generate, urdf, _options.generator({"target": target, **options}, file))
+    made = translated(_core.generate, urdf, _options.generator({"target": target, **_options.taken(options)}, file))
     text = Text(made["source"])
     text.name, text.header, text.warnings = made["name"], made["header"], made["warnings"]
     return text
@@ -62,6 +62,7 @@ def run(command: list[str]) -> str:
 
 def study_words(robot: str | os.PathLike | Robot, options: dict[str, Any], more: tuple[str, ...], function: str) -> list[str]:
     """The URDF and the options, as words; of a robot, those that it was loaded with."""
+    options = _options.taken(options)
     if isinstance(robot, Robot):
         own = {k: v for k, v in robot._options.items() if k not in ("backend", "sparse", "convention", "block", "cache")}
         options = {**own, **options}

@@ -85,7 +85,7 @@ class MuJoCo:
         return value
 
     def call(self, robot, arrays: Sequence[numpy.ndarray], out):
-        robot._check(tuple(arrays))
+        robot._check(tuple(map(numpy.ascontiguousarray, arrays)))
         converted, R, cross = self.inputs(arrays)
         result = robot._run(tuple(numpy.ascontiguousarray(x) for x in converted), out)
         several = isinstance(result, tuple)

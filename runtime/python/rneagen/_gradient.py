@@ -65,9 +65,6 @@ class Gradients:
 
     def freed(self, apart: tuple[str, ...]) -> dict[str, Any]:
         """The keyword that makes these constants one for each sample."""
-        if apart and self.robot._options.get("scene"):
-            raise NotImplementedError(f"{self.robot.name}: vmap over a tangent of {apart[0]}, which is one for all samples: "
-                                      f"free {apart[0]}:sample in the scene's file makes it one for each")
         free = [f"{a.word}:{'batch' if a.per_batch and a.word not in apart else 'sample'}"
                 for a in self.robot.inputs if a.role in FREED]
         return {"free": free} if apart else {}

@@ -3,17 +3,33 @@ from __future__ import annotations
 
 import difflib
 import os
-from typing import Any, Iterable
+import re
+from typing import Any, Iterable, NamedTuple
 
 from . import _core
+from ._errors import translated
 
 SCENE = _core.scene_words()  # word: (takes a value: 0 no, 1 yes, 2 may; kind)
 MODEL = ("precision", "trig", "base", "gravity", "mimic", "order", "strict")  # beside the scene: what is computed
 COUNTED = {"parts": ("auto",), "segments": ("auto", "whole"), "limbs": ("auto", "none")}  # numbers, and words that are 0 and 1
 TEXT = ("target", "layout", "name", "bounded", "only", *COUNTED)  # what kind of text
 OPEN = ("backend", "device", "threads", "block", "cache")  # where it runs
-MATRICES = ("regressor", "M", "Minv", "dqdd_dtau", "dtau_dq", "dtau_dqd", "dqdd_dq", "dqdd_dqd", "jacobian", "com_jacobian",
-            "momentum_matrix", "coriolis", "opspace_inv", "opspace")
+ASKED = ("want", "jvp", "vjp", "by")  # what is computed: robots with other outputs have others
+
+
+class SceneFile(NamedTuple):
+    """A file of scene=, as it was when the robot was loaded."""
+    path: str
+    text: str
+
+    def without(self, words: Iterable[str]) -> "SceneFile":
+        """Empty lines in place of these: messages tell of lines by their numbers."""
+        words = set(words)
+        kept = ["" if line.split()[:1] and line.split()[0] in words else line for line in self.text.split("\n")]
+        return self._replace(text="\n".join(kept))
+
+    def __repr__(self) -> str:
+        return repr(self.path)
 
 
 def scene_keywords() -> list[str]:
@@ -60,11 +76,27 @@ def pairs(keyword: str, x: Any) -> list[str]:
     return names(keyword, x)
 
 
-def armature_of(path: str) -> dict[str, str]:
-    """A file of rotor inertias: lines JOINT KG_M2."""
+def armature_of(path: str) -> list[str]:
+    """A file of rotor inertias, as pairs."""
     with open(path, encoding="utf-8") as file:
-        lines = [line.split("#")[0].split() if line.lstrip().startswith("#") else line.split() for line in file]
-    return {" ".join(words[:-1]): words[-1] for words in lines if words}
+        text = translated(_core.armature, path, file.read())
+    pairs = (line.partition('"')[2][:-1] for line in text.split("\n") if line)  # --armature "JOINT=KG_M2"
+    return [re.sub(r"\\(.)", lambda found: found[1].replace("n", "\n"), pair) for pair in pairs]
+
+
+def taken(options: dict[str, Any]) -> dict[str, Any]:
+    """The keywords, with what files hold in place of their names; what is wrong with those of the call is said here."""
+    options = dict(options)
+    path, armature = options.get("scene"), options.get("armature")
+    if path is not None:
+        with open(path, encoding="utf-8") as file:
+            options["scene"] = SceneFile(os.fspath(path), file.read())
+    if isinstance(armature, (str, os.PathLike)) and "=" not in os.fspath(armature):
+        options["armature"] = armature_of(os.fspath(armature))
+    if isinstance(options.get("cache"), os.PathLike):
+        options["cache"] = os.fspath(options["cache"])
+    _core.check_open({k: options[k] for k in OPEN if options.get(k) is not None})
+    return options
 
 
 def values(keyword: str, x: Any) -> list[str | None]:
@@ -78,11 +110,11 @@ def values(keyword: str, x: Any) -> list[str | None]:
         return [None]
     if takes == 0:
         raise TypeError(f"{keyword} takes True or False, not {x!r}")
-    if keyword == "armature" and isinstance(x, (str, os.PathLike)) and "=" not in os.fspath(x):
-        x = armature_of(os.fspath(x))
     if kind == "pair":
         return list(pairs(keyword, x))
     if kind in ("names", "freed"):
+        if keyword == "lock_all_but" and not names(keyword, x):
+            raise ValueError("lock_all_but takes joints; without any nothing would move")
         return list(names(keyword, x))
     return [numbers(keyword, x)]
 
@@ -96,8 +128,7 @@ def lines(options: dict[str, Any]) -> str:
     text = []
     for keyword, x in options.items():
         if keyword == "scene" and x is not None:
-            with open(x, encoding="utf-8") as file:
-                text.append(file.read())
+            text.append(x.text)
         elif keyword.replace("_", "-") in SCENE:
             for value in values(keyword, x):
                 text.append(f"--{keyword.replace('_', '-')}{'' if value is None else quoted(value)}")
@@ -116,7 +147,9 @@ def generator(options: dict[str, Any], file: str) -> dict[str, Any]:
                 raise ValueError(f"bounded takes True, False or running, not {x!r}")
             x = 2
         elif keyword in ("strict", "bounded"):
-            x = int(bool(x))
+            if x not in (False, True):
+                raise ValueError(f"{keyword} takes True or False, not {x!r}")
+            x = int(x)
         elif keyword == "order" and not isinstance(x, str):
             x = ",".join(names(keyword, x))
         elif keyword in COUNTED and isinstance(x, str):
@@ -143,6 +176,8 @@ def command_line(options: dict[str, Any]) -> list[str]:
             words.append(f"--{word}={numbers(keyword, x)}")
         elif isinstance(x, (list, tuple)):
             words.append(f"--{word}={','.join(map(str, x))}")
+        elif keyword == "scene" and x is not None:
+            words.append(f"--scene={x.path}")
         elif x is not None:
             words.append(f"--{word}={os.fspath(x) if isinstance(x, os.PathLike) else number(keyword, x)}")
     return words

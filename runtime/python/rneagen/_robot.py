@@ -14,14 +14,15 @@ import threading
 import warnings
 import weakref
 from collections import namedtuple
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable, Iterable, NamedTuple, Unpack
 
 import numpy
 
 from . import _arrays, _convention, _core, _names, _options, _sparse
 from ._errors import BackendError, translated
+from ._keywords import Keywords
 
-NUMPY = (numpy.ndarray, numpy.empty, _arrays.DTYPES["f32"], _arrays.DTYPES["f64"])
+NUMPY = (numpy.ndarray, numpy.empty, _arrays.DTYPES["f32"], _arrays.DTYPES["f64"], numpy.ascontiguousarray)
 OWN = ("convention", "sparse")
 PRODUCTS = ("jvp", "vjp")  # of derivatives of outputs
 KEYS = itertools.count()
@@ -97,8 +98,9 @@ class Robot(_core.Robot):
     q is (nq,) or (..., nq); qd, qdd and tau are (nv,) or (..., nv): rad, rad/s, rad/s^2, N m; m, m/s, m/s^2, N for
     joints that slide. A floating base comes first: position and quaternion x y z qx qy qz qw in q, a twist of the
     base's frame, linear then angular, in qd. All arrays have the same leading axes, but inputs
-    that are one for all samples, and one dtype, float32 or float64, and lie in one piece in C order. The outputs are
-    of the caller's library: NumPy, PyTorch, CuPy, JAX, or another with DLPack. A GPU's arrays are computed where they are, in the current stream.
+    that are one for all samples, and one dtype, float32 or float64. What lies in several pieces is copied. The outputs are
+    of the caller's library: NumPy, PyTorch, CuPy, JAX, or another with DLPack. A GPU's arrays are computed where they are, in the
+    current stream. `inputs` and `outputs` tell of each array its name, shape and role, and the default of one that may be left out.
 
     `out` is an array for the output; for several outputs a tuple of arrays. Inputs also go by their names: robot(q=q,
     qd=qd, qdd=qdd). What the scene frees (free=, fext=) is an input too; left out, it is as the URDF has it.
@@ -111,6 +113,9 @@ class Robot(_core.Robot):
         self._urdf, self._file, self._options = urdf, file, dict(options)
         self._generator = self._generator_options()
         self._model = translated(_core.Model, urdf, self._generator)
+        if not self.sparse and not all(map(_arrays.is_whole, self._model.arrays())):
+            self._generator = self._generator_options(dense=True)
+            self._model = translated(_core.Model, urdf, self._generator)
         self._facts, self._joints = self._model.facts(), self._model.joints()
         arrays = [_arrays.describe(a, self._facts["nv"], self.sparse) for a in self._model.arrays()]
         self.inputs = tuple(a for a in arrays if not a.is_output)
@@ -130,14 +135,16 @@ class Robot(_core.Robot):
         if "torch" in sys.modules:  # torch.compile sees no call in C, so a robot becomes one in Python
             importlib.import_module("rneagen.torch")
 
-    def _generator_options(self) -> dict[str, Any]:
+    def _generator_options(self, dense: bool = False) -> dict[str, Any]:
+        """`dense`: matrices are whole, also those of whose derivatives there are products."""
+        options = self._options
         if self.convention not in ("pinocchio", "mujoco"):
             raise ValueError(f"convention takes pinocchio or mujoco, not {self.convention!r}")
-        options = dict(self._options)
-        wanted = [name for key in ("want", *PRODUCTS) for word in _options.names(key, options.get(key) or [])
-                  for name in word.split(",")]
-        if not self.sparse and options.get("dense") is None and any(name.split(".")[0] in _options.MATRICES for name in wanted):
-            options["dense"] = True
+        if options.get("dense") is False and not self.sparse:
+            raise ValueError("dense=False: matrices are whole; sparse=True has what a text stores of them")
+        if dense:
+            scene = options.get("scene")
+            options = {**options, "dense": True, "scene": scene and scene.without(["dense"])}
         return {"layout": "aos", **_options.generator(options, self._file)}
 
     # ---- what it is ----
@@ -243,7 +250,7 @@ class Robot(_core.Robot):
         arrays, out = _arrays.arguments(self, args, kwargs)
         return _arrays.adapter(self, arrays, out).call(self, arrays, out)
 
-    def bind(self, *args, **kwargs):
+    def bind(self, *args: Any, **kwargs: Any) -> Any:
         """step = robot.bind(q, qd, qdd, out) checks the arrays once; step() then computes from what is in them, and
         returns out. The arrays stay alive with the step. Without out, an array is made. A GPU's arrays are bound to
         the stream that is current now."""
@@ -342,15 +349,29 @@ class Robot(_core.Robot):
         if found:
             return found
         with self._lock:
-            options: dict[str, Any] = {"want": list(names), "sparse": sparse or None}
-            if fold:
-                options["fold"] = [*_options.pairs("fold", self._options.get("fold") or []), *fold]
-            if products:
-                options.update({"jvp": None, "vjp": None, "by": None, **{k: list(x) for k, x in products}})
+            options = {**dict.fromkeys(_options.ASKED), "want": list(names), "sparse": sparse or None,
+                       "fold": self._folds(fold), **{k: list(x) for k, x in products}}
             return self._wanted.setdefault(key, self._with(**options))
 
+    def _folds(self, more: tuple[str, ...] = (), without: str = "") -> list[str] | None:
+        """What is known of inputs, and more, but of one input nothing."""
+        own = [pair for pair in _options.pairs("fold", self._options.get("fold") or [])
+               if not pair.startswith((f"{without}=", f"{without}."))]
+        known = {pair.partition("=")[0] for pair in own}
+        return [*own, *(pair for pair in more if pair.partition("=")[0] not in known)] or None
+
+    def _unfolded(self, name: str) -> "Robot":
+        """Without what is known of an input."""
+        if not self._options.get("fold") or self._folds() == (folds := self._folds(without=name)):
+            return self
+        with self._lock:
+            return self._wanted.setdefault(("", name), self._with(fold=folds))
+
     def _with(self, **options: Any) -> "Robot":
-        """With other keywords."""
+        """With other keywords: in place of the same lines of a scene's file."""
+        scene = self._options.get("scene")
+        if scene:
+            options["scene"] = scene.without(word for word in (*_options.ASKED, "free") if word in options)
         return Robot(self._urdf, self._file, {**self._options, **options})
 
     def random(self, n: int | None = None, seed: int = 1, dtype=None):
@@ -369,42 +390,43 @@ class Robot(_core.Robot):
     # ---- by Pinocchio's names ----
     # Each takes what Pinocchio's function takes, also where an output does not read all of it.
 
-    def rnea(self, *args, **kwargs):
+    def rnea(self, *args: Any, **kwargs: Any) -> Any:
         """tau = rnea(q, qd, qdd): (..., nv), N m."""
-        return _names.call(self.want("tau"), ("q", "qd", "qdd"), args, kwargs)
+        return _names.call(self._unfolded("tau").want("tau"), ("q", "qd", "qdd"), args, kwargs)
 
-    def aba(self, *args, **kwargs):
+    def aba(self, *args: Any, **kwargs: Any) -> Any:
         """qdd = aba(q, qd, tau): (..., nv), rad/s^2."""
-        return _names.call(self.want("qdd"), ("q", "qd", "tau"), args, kwargs)
+        return _names.call(self._unfolded("qdd").want("qdd"), ("q", "qd", "tau"), args, kwargs)
 
-    def crba(self, *args, **kwargs):
+    def crba(self, *args: Any, **kwargs: Any) -> Any:
         """M = crba(q): the mass matrix (..., nv, nv), kg m^2, whole."""
-        return _names.call(self.want("M"), ("q",), args, kwargs)
+        return _names.call(self._unfolded("tau").want("M"), ("q",), args, kwargs)
 
-    def computeMinverse(self, *args, **kwargs):
+    def computeMinverse(self, *args: Any, **kwargs: Any) -> Any:
         """Minv = computeMinverse(q): the inverse of the mass matrix (..., nv, nv), whole."""
-        return _names.call(self._wanting(("Minv",), self.sparse, ("qd=0", "tau=0")), ("q",), args, kwargs)
+        robot = self._unfolded("qdd")._wanting(("Minv",), self.sparse, ("qd=0", "tau=0"))
+        return _names.call(robot, ("q",), args, kwargs)
 
-    def nonLinearEffects(self, *args, **kwargs):
+    def nonLinearEffects(self, *args: Any, **kwargs: Any) -> Any:
         """tau = nonLinearEffects(q, qd): of gravity and velocities, (..., nv)."""
         if self._conversion:  # M of the base's Coriolis term is in it: MuJoCo's qdd = 0 is another than ours
             return self.want("tau")(*args, **kwargs, qdd=numpy.zeros_like(args[1] if len(args) > 1 else kwargs["qd"]))
-        return _names.call(self.want("bias"), ("q", "qd"), args, kwargs)
+        return _names.call(self._unfolded("tau").want("bias"), ("q", "qd"), args, kwargs)
 
-    def computeGeneralizedGravity(self, *args, **kwargs):
+    def computeGeneralizedGravity(self, *args: Any, **kwargs: Any) -> Any:
         """tau = computeGeneralizedGravity(q): of gravity alone, (..., nv)."""
-        return _names.call(self.want("gravity"), ("q",), args, kwargs)
+        return _names.call(self._unfolded("tau").want("gravity"), ("q",), args, kwargs)
 
-    def computeRNEADerivatives(self, *args, **kwargs):
+    def computeRNEADerivatives(self, *args: Any, **kwargs: Any) -> Any:
         """(dtau_dq, dtau_dqd, M) of (q, qd, qdd): (..., nv, nv) each. A floating base varies by a twist in its frame."""
-        return _names.call(self.want("dtau_dq", "dtau_dqd", "M"), ("q", "qd", "qdd"), args, kwargs)
+        return _names.call(self._unfolded("tau").want("dtau_dq", "dtau_dqd", "M"), ("q", "qd", "qdd"), args, kwargs)
 
-    def computeABADerivatives(self, *args, **kwargs):
+    def computeABADerivatives(self, *args: Any, **kwargs: Any) -> Any:
         """(dqdd_dq, dqdd_dqd, Minv) of (q, qd, tau): (..., nv, nv) each."""
-        return _names.call(self.want("dqdd_dq", "dqdd_dqd", "Minv"), ("q", "qd", "tau"), args, kwargs)
+        return _names.call(self._unfolded("qdd").want("dqdd_dq", "dqdd_dqd", "Minv"), ("q", "qd", "tau"), args, kwargs)
 
 
-def load(urdf: str | os.PathLike | bytes, **options: Any) -> Robot:
+def load(urdf: str | os.PathLike | bytes, **keywords: Unpack[Keywords]) -> Robot:
     """Load a robot from the URDF at a path, or from its text (bytes, or a string with "<robot" in it).
 
         robot = rneagen.load("iiwa14.urdf")
@@ -422,19 +444,24 @@ def load(urdf: str | os.PathLike | bytes, **options: Any) -> Robot:
     free=["payload.hand"]         constants that become inputs; fext=["foot"] external wrenches
     gravity=(0, 0, -9.81)         m/s^2, in the world
     precision="f32"               f32, f64, mixed, f32x2; unless given as the arrays are: float32 or float64
-    trig="accurate", strict=False, mimic="honour", order=[...], params="auto", damping=True, friction=0.01, ...
+    trig="accurate", strict=False, mimic="honour", order=[...], params="auto", damping=True, friction=0.01
+    jvp=["tau"], vjp=["tau"], by=["payload.hand"]     derivatives times a vector
+    armature={"elbow": 0.1}       rotor inertias, kg m^2, or a file of lines JOINT KG_M2; fext_frame="world"
+    derivatives=, dynamics=, refine=, drop_below=, round_constants=, snap_angle=, range=, parts=, segments=, limbs=
+    scene="FILE"                  all of these as lines of a file, which is read once
 
     And of the call:
 
     backend="cpu"                 "cpu", "cuda" or "evaluator" for arrays of NumPy; unless given the processor
     device=0, threads=0, block=0, cache=None
-    sparse=False                  matrices as rneagen.Sparse instead of (..., nv, nv)
+    sparse=False                  matrices as rneagen.Sparse instead of (..., nv, nv); dense= is for these alone
     convention="pinocchio"        "mujoco": quaternion and velocity of a floating base as MuJoCo has them
 
     Raises RobotError with the generator's message if the URDF or the scene is at fault; TypeError for a keyword that
     is not known.
     """
-    _options.check(options, KEYWORDS, "load")
+    _options.check(keywords, KEYWORDS, "load")
+    options = _options.taken(dict(keywords))
     if isinstance(urdf, bytes) or isinstance(urdf, str) and "<robot" in urdf:
         return Robot(urdf.encode() if isinstance(urdf, str) else urdf, "<urdf>", options)
     with open(urdf, "rb") as file:

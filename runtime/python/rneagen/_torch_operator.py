@@ -94,8 +94,7 @@ class Operator:
             shape = x.shape
             if lead is None and not per_batch:
                 lead = shape[:len(shape) - len(tail)]
-            if (shape != (tail if per_batch else lead + tail) or x.dtype != dtype or x.get_device() != index
-                    or not x.is_contiguous()):
+            if shape != (tail if per_batch else lead + tail) or x.dtype != dtype or x.get_device() != index:
                 self.explain(tensors)
         if dtype not in SCALARS or like.device.type not in DEVICES:
             self.explain(tensors)
@@ -112,11 +111,24 @@ class Operator:
                 yield array, tuple(x.shape)
         _arrays.lead_of(shapes())
 
+    def one_piece(self, tensors: Sequence[Tensor | None]) -> Sequence[Tensor | None]:
+        """With copies of tensors that lie in several pieces."""
+        for x in tensors:
+            if x is not None and not x.is_contiguous():
+                return [x if x is None else x.contiguous() for x in tensors]
+        return tensors
+
+    def refuse_pieces(self, tensors: Sequence[Tensor | None]) -> None:
+        for array, x in zip(self.inputs, tensors):
+            if x is not None:
+                check_pieces(array.name, x)
+
     def check_out(self, tensors: Sequence[Tensor], shapes: Sequence[torch.Size], outputs: Sequence[Tensor]) -> None:
         dtype, index = tensors[0].dtype, tensors[0].get_device()
         for array, shape, x in zip(self.outputs, shapes, outputs):
-            if x.dtype is not dtype or x.get_device() != index or not x.is_contiguous():
+            if x.dtype is not dtype or x.get_device() != index:
                 check_tensor("out", x, self.inputs[0].name, tensors[0])
+            check_pieces("out", x)
             if x.shape != shape:
                 raise ValueError(f"out: the shape of the tensor for {array.name} is {tuple(x.shape)}; {tuple(shape)} is wanted")
         spans = [(x.data_ptr(), x.nbytes) for x in (*tensors, *outputs)]
@@ -148,14 +160,14 @@ class Operator:
         return self.defaults[key].expand(shape).contiguous()
 
     def planned(self, tensors: Sequence[Tensor | None]) -> "Plan":
-        """The plan for these tensors, which are checked."""
+        """The plan for these tensors, which are in one piece each, and are checked."""
         first = tensors[0]
         if first is not None:
             shape, dtype, index = first.shape, first.dtype, first.get_device()
             found = self.plans.get((shape, dtype, index))
-            if found is not None and first.is_contiguous():
+            if found is not None:
                 for shape, x in zip(found.rest, tensors[1:]):
-                    if x is None or x.shape != shape or x.dtype is not dtype or x.get_device() != index or not x.is_contiguous():
+                    if x is None or x.shape != shape or x.dtype is not dtype or x.get_device() != index:
                         break
                 else:
                     return found
@@ -190,7 +202,8 @@ class Operator:
             if x.numel() and not x.data_ptr():
                 raise ValueError(f"{name}: it has no memory: it was freed, or PyTorch has not written it; {name}.clone() is a tensor that has")
 
-    def run(self, *tensors: Tensor | None):
+    def run(self, *given: Tensor | None):
+        tensors = self.one_piece(given)
         plan = self.planned(tensors)
         inputs = self.complete(plan, tensors)
         if plan.alike >= 0:  # faster than by its shape
@@ -210,11 +223,12 @@ class Operator:
 
     def run_out(self, *tensors: Tensor | None) -> None:
         given: Any = tensors[len(self.inputs):]
-        plan, every = self.check_given(tensors[:len(self.inputs)], given)
+        plan, every = self.check_given(self.one_piece(tensors[:len(self.inputs)]), given)
         self.launch(plan, every)
 
     def step(self, tensors: Sequence[Tensor | None], outputs: Sequence[Tensor] | None, result: Any):
         """A step that launches again and returns `result`, or the outputs that are made here."""
+        self.refuse_pieces(tensors)
         if outputs is None:
             made = self.run(*tensors)
             outputs = made if self.several else (made,)
@@ -249,6 +263,9 @@ def check_tensor(name: str, x: Tensor, first: str, like: Tensor) -> None:
         raise TypeError(f"{name}: its dtype is {x.dtype}, and that of {first} is {like.dtype}: all tensors have one")
     if x.device != like.device:
         raise ValueError(f"{name}: it is on {x.device}, and {first} on {like.device}")
+
+
+def check_pieces(name: str, x: Tensor) -> None:
     if not x.is_contiguous():
         raise ValueError(f"{name}: it is not contiguous in C order; {name}.contiguous() makes a copy that is")
 
@@ -259,9 +276,13 @@ def function_of(operator: Operator):
     def forward(*tensors):
         return operator.op(*tensors)
 
+    def keep(ctx, inputs, output):
+        gradients.keep(ctx, inputs, output)
+        ctx.save_for_forward(*inputs)
+
     def jvp(ctx, *tangents):
-        raise NotImplementedError(f"{operator.robot.name}: derivatives go backward: torch.func.jacrev in place of jacfwd, "
-                                  "vjp in place of jvp")
+        made = gradients.forward(operator.outputs, ctx.saved_tensors, tangents)
+        return tuple(made) if operator.several else made[0]
 
     def vmap(info, in_dims, *tensors):
         moved, dims = operator.moved(info, in_dims, tensors)
@@ -269,7 +290,7 @@ def function_of(operator: Operator):
 
     gradients = operator.gradients
     made: Any = type(operator.name, (torch.autograd.Function,), {
-        "forward": staticmethod(forward), "setup_context": staticmethod(gradients.keep),
+        "forward": staticmethod(forward), "setup_context": staticmethod(keep),
         "backward": staticmethod(gradients.gradient), "jvp": staticmethod(jvp), "vmap": staticmethod(vmap)})
     return made
 

@@ -1,6 +1,6 @@
 """PyTorch: robots are called with tensors, of the processor or of a GPU, and are differentiated.
 
-    tau = robot(q, qd, qdd)         # the tensors' own device and current stream; nothing is copied, nothing waits
+    tau = robot(q, qd, qdd)         # the tensors' own device and current stream; nothing waits, and nothing in one piece is copied
     tau.sum().backward()            # by the text of the vector-Jacobian product, compiled when it is first needed
 
 Each robot is an operator of torch.library, named rneagen::ROBOT_HASH after its URDF and keywords, so torch.compile
@@ -8,7 +8,9 @@ keeps its graph in one piece, and torch.func.vmap, grad and jacrev work. Import 
 a robot, unless PyTorch was there when the robot was loaded.
 
 Gradients are of all outputs but qdd_bound and products, which raise NotImplementedError when they are differentiated;
-by q, qd, qdd or tau, what free= names, and wrenches of fext=. Those of several outputs are made in one sweep.
+by q, qd, qdd or tau, what free= names, and wrenches of fext=. Those of several outputs are made in one sweep. Forward,
+torch.func.jvp, jacfwd and torch.autograd.forward_ad have them too. Where autocast is on, tensors of float16 and
+bfloat16 are taken as float32.
 
 The gradient by a quaternion is that of the function on unit quaternions: its part along the quaternion is zero. Where
 q is not made unit outside, q / |q| belongs before the call, and then all is as torch.autograd.gradcheck has it. Other
@@ -25,8 +27,10 @@ from torch import Tensor
 from . import _arrays, _robot
 from ._torch_operator import Operator, is_plain, lock
 
+HALVES = (torch.float16, torch.bfloat16)
 _operators: dict[str, Operator] = {}
 _modes = getattr(torch._C, "_len_torch_dispatch_stack", lambda: 1)
+_is_autocast = getattr(torch._C, "_is_any_autocast_enabled", torch.is_autocast_enabled)
 _is_tracing = getattr(torch._C, "_is_tracing", lambda: False)
 _is_batched = getattr(torch._C._functorch, "is_legacy_batchedtensor", lambda x: False)
 _plain_call, _plain_wanting = _robot.Robot.__call__, _robot.Robot._wanting
@@ -71,8 +75,15 @@ def is_direct(tensors: Sequence[Any]) -> bool:
     return not _modes() and not _is_tracing() and is_plain() and (first is None or first.is_cpu or first.is_cuda)
 
 
+def widened(arrays: Sequence[Any]) -> list:
+    """Numbers of half as many bits, which autocast leaves behind, as those of float32."""
+    return [x.float() if isinstance(x, Tensor) and x.dtype in HALVES else x for x in arrays]
+
+
 def call(robot, arrays: Sequence[Any], out: Any):
     """A call whose arrays are tensors."""
+    if _is_autocast():
+        arrays = widened(arrays)
     if out is not None:
         refuse_gradient("a call with out=", robot, arrays)
         outputs = _arrays.tuple_out(robot, out, "tensors")

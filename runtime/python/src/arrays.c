@@ -80,8 +80,10 @@ static int check_shape(const struct array *a, const Py_buffer *v, struct lead *l
 	return same ? 0 : refuse_shape(a, v, lead);
 }
 
-static int check_array(const struct array *a, PyObject *array, const Py_buffer *v, int is_output, struct lead *lead)
+/* Returns 1 where a copy in one piece is to take its place. */
+static int check_array(const struct array *a, PyObject *array, const struct call *c, int is_output, struct lead *lead)
 {
+	const Py_buffer *v = &c->views[c->view_count - 1];
 	int scalar = scalar_of(v);
 	char order;
 
@@ -107,6 +109,8 @@ static int check_array(const struct array *a, PyObject *array, const Py_buffer *
 	if (check_shape(a, v, lead))
 		return -1;
 	order = order_of(v);
+	if (order != 'C' && !is_output && c->copy)
+		return 1;
 	if (order != 'C')
 		PyErr_Format(PyExc_ValueError,
 			order ? "%U: it is in Fortran order; numpy.ascontiguousarray makes a copy in C order"
@@ -114,7 +118,7 @@ static int check_array(const struct array *a, PyObject *array, const Py_buffer *
 	return order == 'C' ? 0 : -1;
 }
 
-int array_take(const struct array *a, PyObject *array, int is_output, struct lead *lead, struct call *c, int i)
+static int take_view(PyObject *array, struct call *c, int i)
 {
 	Py_buffer *v = &c->views[c->view_count];
 
@@ -122,5 +126,26 @@ int array_take(const struct array *a, PyObject *array, int is_output, struct lea
 		return -1;
 	c->view_count++;
 	c->pointers[i] = v->buf;
-	return check_array(a, array, v, is_output, lead);
+	return 0;
+}
+
+/* A copy in one piece in its place; the view keeps it alive. */
+static int take_copy(PyObject *array, struct call *c, int i)
+{
+	PyObject *made = PyObject_CallFunctionObjArgs(c->copy, array, NULL);
+	int bad;
+
+	PyBuffer_Release(&c->views[--c->view_count]);
+	bad = !made || take_view(made, c, i);
+	Py_XDECREF(made);
+	return bad ? -1 : 0;
+}
+
+int array_take(const struct array *a, PyObject *array, int is_output, struct lead *lead, struct call *c, int i)
+{
+	int what = take_view(array, c, i);
+
+	if (!what)
+		what = check_array(a, array, c, is_output, lead);
+	return what > 0 ? take_copy(array, c, i) : what;
 }

@@ -1,6 +1,6 @@
 /* The module rneagen._core. */
 #include "module.h"
-#include "scene/scene.h"
+#include "scene/scene_lines.h"
 #include "urdf.h"
 #include <string.h>
 
@@ -167,6 +167,42 @@ static PyObject *scene_words(PyObject *self, PyObject *unused)
 	return dict;
 }
 
+/* A file of rotor inertias as lines of a scene, by the reader of the command. */
+static PyObject *armature(PyObject *self, PyObject *args)
+{
+	struct rneagen_error e = {0};
+	const char *path, *content;
+	PyObject *lines;
+	struct arena a;
+	struct text t;
+	char *copy;
+
+	(void)self;
+	if (!PyArg_ParseTuple(args, "ss", &path, &content))
+		return NULL;
+	arena_init(&a, NULL);
+	text_init(&t, &a);
+	copy = arena_string(&a, content, strlen(content));
+	if (!copy)
+		error_memory(&e);
+	else
+		scene_put_armature(path, copy, &t, &e);
+	lines = e.code ? raise_generator(&e) : PyUnicode_FromString(text_string(&t));
+	arena_free(&a);
+	return lines;
+}
+
+/* Raises what open would say of these options. */
+static PyObject *check_open(PyObject *self, PyObject *options)
+{
+	struct rnea_options o;
+
+	(void)self;
+	if (!PyDict_Check(options))
+		return PyErr_Format(PyExc_TypeError, "a dictionary is wanted");
+	return options_take_open(options, &o) ? NULL : Py_NewRef(Py_None);
+}
+
 static PyMethodDef methods[] = {
 	{"generate", generate, METH_VARARGS,
 		"generate(urdf, options): a dictionary of name, source, header, info, info_json, dot, warnings."},
@@ -177,6 +213,9 @@ static PyMethodDef methods[] = {
 		"dlpack(capsule): (address, device, kind, bits, shape, strides in elements or None). The capsule keeps the array."},
 	{"scene_words", scene_words, METH_NOARGS,
 		"The words of a scene: whether they take a value (0 no, 1 yes, 2 may), and of what kind."},
+	{"check_open", check_open, METH_O, "check_open(options): raises what open would say of them."},
+	{"armature", armature, METH_VARARGS,
+		"armature(path, content): the lines of a scene that a file of rotor inertias means; the path is for messages."},
 	{"xla_handlers", xla_handlers, METH_NOARGS,
 		"xla_handlers(): capsules for jax.ffi, by platform; {} where the build had no header of XLA."},
 	{"xla_keep", xla_keep, METH_VARARGS,

@@ -38,6 +38,7 @@ PyObject *kernel_new(PyTypeObject *type, struct rnea_robot *robot);
 struct call {
 	struct kernel *kernel; /* a reference, as the next two */
 	PyObject *result, *keep;
+	PyObject *copy; /* makes a copy in one piece of an input that is in several, borrowed; NULL: such are refused */
 	Py_buffer views[RNEA_ARGUMENT_LIMIT];
 	int view_count;
 	void *pointers[RNEA_ARGUMENT_LIMIT];

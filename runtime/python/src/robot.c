@@ -8,7 +8,7 @@ struct caller {
 	int input_count, count; /* 0: it is not defined yet */
 	int places;             /* arrays that a call may name by their place: inputs, and out where it may */
 	PyObject *outputs;      /* the named tuple of several outputs; None */
-	PyObject *ndarray, *empty, *dtypes[SCALARS];
+	PyObject *ndarray, *empty, *dtypes[SCALARS], *copy;
 	PyObject *kernels[SCALARS]; /* NULL: not open yet */
 	int is_direct;              /* arrays of NumPy go to the text as they are */
 };
@@ -36,17 +36,18 @@ static int set_array(struct array *a, PyObject *tuple)
 static PyObject *robot_define(PyObject *self, PyObject *args)
 {
 	struct caller *r = (struct caller *)self;
-	PyObject *arrays, *numpy[4];
+	PyObject *arrays, *numpy[5];
 	Py_ssize_t count, inputs;
 
-	if (r->count || !PyArg_ParseTuple(args, "O!niO(OOOO)p", &PyTuple_Type, &arrays, &inputs, &r->places, &r->outputs, &numpy[0],
-				&numpy[1], &numpy[2], &numpy[3], &r->is_direct))
+	if (r->count || !PyArg_ParseTuple(args, "O!niO(OOOOO)p", &PyTuple_Type, &arrays, &inputs, &r->places, &r->outputs, &numpy[0],
+				&numpy[1], &numpy[2], &numpy[3], &numpy[4], &r->is_direct))
 		return NULL;
 	Py_INCREF(r->outputs);
 	r->ndarray = Py_NewRef(numpy[0]);
 	r->empty = Py_NewRef(numpy[1]);
 	r->dtypes[F32] = Py_NewRef(numpy[2]);
 	r->dtypes[F64] = Py_NewRef(numpy[3]);
+	r->copy = Py_NewRef(numpy[4]);
 	count = PyTuple_Size(arrays);
 	if (count > RNEA_ARGUMENT_LIMIT || inputs > count)
 		return PyErr_Format(PyExc_ValueError, "%zd arrays", count);
@@ -74,6 +75,7 @@ static void robot_free(PyObject *self)
 	Py_XDECREF(r->outputs);
 	Py_XDECREF(r->ndarray);
 	Py_XDECREF(r->empty);
+	Py_XDECREF(r->copy);
 	((freefunc)PyType_GetSlot(type, Py_tp_free))(self);
 	Py_DECREF(type);
 }
@@ -162,7 +164,8 @@ static struct kernel *kernel_for(PyObject *self, int scalar)
 	return (struct kernel *)k;
 }
 
-static int prepare(PyObject *self, const struct given *g, struct call *c)
+/* `copies`: may inputs be in several pieces? */
+static int prepare(PyObject *self, const struct given *g, int copies, struct call *c)
 {
 	struct caller *r = (struct caller *)self;
 	struct lead lead = {.axes = -1, .scalar = F64};
@@ -170,6 +173,7 @@ static int prepare(PyObject *self, const struct given *g, struct call *c)
 	c->view_count = 0;
 	c->kernel = NULL;
 	c->result = c->keep = NULL;
+	c->copy = copies ? r->copy : NULL;
 	c->has_stream = 0;
 	for (int i = 0; i < r->input_count; i++)
 		if (array_take(&r->arrays[i], g->inputs[i], 0, &lead, c, i))
@@ -191,7 +195,7 @@ static PyObject *run(PyObject *self, const struct given *g)
 	struct call c;
 	PyObject *result = NULL;
 
-	if (!prepare(self, g, &c) && !call_run(&c))
+	if (!prepare(self, g, 1, &c) && !call_run(&c))
 		result = Py_NewRef(c.result);
 	call_clear(&c);
 	return result;
@@ -295,7 +299,7 @@ static PyObject *robot_bind(PyObject *self, PyTypeObject *defining, PyObject *co
 
 	if (count != 2 || names || read_given((struct caller *)self, args[0], args[1], &g))
 		return PyErr_Occurred() ? NULL : PyErr_Format(PyExc_TypeError, "arrays and out are wanted");
-	if (!prepare(self, &g, &c))
+	if (!prepare(self, &g, 0, &c)) /* a step reads the arrays again */
 		return step_new(core->step, &c);
 	call_clear(&c);
 	return NULL;
@@ -303,7 +307,7 @@ static PyObject *robot_bind(PyObject *self, PyTypeObject *defining, PyObject *co
 
 static PyMethodDef methods[] = {
 	{"_define", robot_define, METH_VARARGS,
-		"_define(arrays, input_count, places, outputs, (ndarray, empty, float32, float64), is_direct)"},
+		"_define(arrays, input_count, places, outputs, (ndarray, empty, float32, float64, ascontiguousarray), is_direct)"},
 	{"_run", robot_run, METH_VARARGS, "_run(arrays, out): a call on arrays of NumPy."},
 	{"_bind", (PyCFunction)(void (*)(void))robot_bind, METH_METHOD | METH_FASTCALL | METH_KEYWORDS,
 		"_bind(arrays, out): a Step."},
