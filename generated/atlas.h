@@ -79,7 +79,7 @@
  * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #ifndef atlas_RNEA_H
-#define atlas_RNEA_H
+#define atlas_RNEA_H 13024620
 #include <math.h>
 #include <stddef.h>
 
@@ -146,4 +146,6 @@ RNEA_TABLE double atlas_tau_max[atlas_nv] = {
 		275.0, 5.3e+02, 8.4e+02, 8.9e+02, 7.4e+02, 3.6e+02, 275.0, 5.3e+02, 8.4e+02, 8.9e+02, 7.4e+02, 3.6e+02};
 #undef RNEA_TABLE
 
+#elif atlas_RNEA_H != 13024620
+#error "two texts are named atlas: give one of them another name, by --name"
 #endif

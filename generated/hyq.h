@@ -66,7 +66,7 @@
  * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #ifndef hyq_RNEA_H
-#define hyq_RNEA_H
+#define hyq_RNEA_H 806099087
 #include <math.h>
 #include <stddef.h>
 
@@ -130,4 +130,6 @@ RNEA_TABLE double hyq_tau_max[hyq_nv] = {
 		1.5e+02, 1.5e+02, 1.5e+02, 1.5e+02, 1.5e+02, 1.5e+02, 1.5e+02};
 #undef RNEA_TABLE
 
+#elif hyq_RNEA_H != 806099087
+#error "two texts are named hyq: give one of them another name, by --name"
 #endif

@@ -47,7 +47,7 @@
  * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #ifndef iiwa14_RNEA_H
-#define iiwa14_RNEA_H
+#define iiwa14_RNEA_H 1827730760
 #include <math.h>
 #include <stddef.h>
 
@@ -102,4 +102,6 @@ RNEA_TABLE double iiwa14_tau_max[iiwa14_nv] = {
 	3.2e+02, 3.2e+02, 176.0, 176.0, 1.1e+02, 4e+01, 4e+01};
 #undef RNEA_TABLE
 
+#elif iiwa14_RNEA_H != 1827730760
+#error "two texts are named iiwa14: give one of them another name, by --name"
 #endif

@@ -47,7 +47,7 @@
  * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #ifndef ur5_RNEA_H
-#define ur5_RNEA_H
+#define ur5_RNEA_H 1371741736
 #include <math.h>
 #include <stddef.h>
 
@@ -101,4 +101,6 @@ RNEA_TABLE double ur5_tau_max[ur5_nv] = {
 	1.5e+02, 1.5e+02, 1.5e+02, 28.0, 28.0, 28.0};
 #undef RNEA_TABLE
 
+#elif ur5_RNEA_H != 1371741736
+#error "two texts are named ur5: give one of them another name, by --name"
 #endif

@@ -36,19 +36,55 @@ static int distance(const char *a, const char *b)
 	return rows[n % 3][m];
 }
 
-const char *nearest_name(const char *word, const void *entries, size_t count, size_t stride)
+static const char *name_at(const void *entries, size_t i, size_t stride)
+{
+	return *(const char *const *)(const void *)((const char *)entries + i * stride);
+}
+
+/* The one with the least distance, which is at most a share of the name's letters. */
+static const char *least_distant(const char *word, const void *entries, size_t count, size_t stride, int share)
 {
 	const char *found = NULL;
 	int best = 0;
 
 	for (size_t i = 0; i < count; i++) {
-		const char *name = *(const char *const *)(const void *)((const char *)entries + i * stride);
+		const char *name = name_at(entries, i, stride);
 		int far = distance(word, name);
 
-		if (far <= (int)(letters(name) + 1) / 2 && (!found || far < best)) {
+		if (far <= ((int)letters(name) + 1) / share && (!found || far < best)) {
 			found = name;
 			best = far;
 		}
 	}
 	return found;
+}
+
+/* Does a string of so many letters or more stand in the other? */
+static int is_within(const char *part, const char *whole)
+{
+	return letters(part) >= 3 && strstr(whole, part);
+}
+
+/* The shortest one that holds the word, "panda_hand" for "hand", or else the longest one that it holds. */
+static const char *holding(const char *word, const void *entries, size_t count, size_t stride)
+{
+	const char *holds = NULL, *held = NULL;
+
+	for (size_t i = 0; i < count; i++) {
+		const char *name = name_at(entries, i, stride);
+
+		if (is_within(word, name) && (!holds || letters(name) < letters(holds)))
+			holds = name;
+		if (is_within(name, word) && (!held || letters(name) > letters(held)))
+			held = name;
+	}
+	return holds ? holds : held;
+}
+
+const char *nearest_name(const char *word, const void *entries, size_t count, size_t stride)
+{
+	const char *found = least_distant(word, entries, count, stride, 4);
+
+	found = found ? found : holding(word, entries, count, stride);
+	return found ? found : least_distant(word, entries, count, stride, 2);
 }

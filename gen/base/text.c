@@ -1,6 +1,7 @@
 #include "base/text.h"
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdint.h>
 #include <string.h>
 
 void text_init(struct text *t, struct arena *a)
@@ -140,4 +141,13 @@ void text_put_shell(struct text *t, const char *s)
 		else
 			text_putc(t, *s);
 	text_putc(t, '\'');
+}
+
+int text_digest(const char *s)
+{
+	uint32_t h = 2166136261u;
+
+	for (; *s; s++)
+		h = (h ^ (unsigned char)*s) * 16777619u;
+	return (int)(h >> 1);
 }

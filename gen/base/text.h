@@ -36,4 +36,7 @@ void text_put_json(struct text *t, const char *s);
 /* Append `s` as one word of a POSIX shell, in single quotes where it needs them. */
 void text_put_shell(struct text *t, const char *s);
 
+/* A number from 0 to 2^31 - 1 by which strings that differ are told apart (FNV-1a). */
+int text_digest(const char *s);
+
 #endif

@@ -174,15 +174,10 @@ static const char *numbers_text(const struct emission *e)
 	return text_string(&t);
 }
 
-static const char *banner_text(const struct emission *e)
+/* Of its head, which says what the text is of: two texts of one name are told apart by it. */
+static const char *digest_text(const struct emission *e)
 {
-	struct text t;
-
-	if (e->banner)
-		return e->banner;
-	text_init(&t, e->arena);
-	emit_banner(e, &t);
-	return text_string(&t);
+	return emit_int(e, text_digest(emit_banner(e)));
 }
 
 static const char *info_text(const struct emission *e)
@@ -311,7 +306,7 @@ static void add_slots(struct slots *s, const struct slot *more, size_t count)
 
 static void common_slots(const struct emission *e, struct slots *s)
 {
-	const struct slot more[] = {{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"NUMBERS", numbers_text(e)},
+	const struct slot more[] = {{"BANNER", emit_banner(e)}, {"NAME", e->options->name}, {"NUMBERS", numbers_text(e)},
 		{"SINCOS_DECLARATION", emit_sincos_declaration(e)}, {"SINCOS", emit_sincos(e)},
 		{"IS_SMALL", emit_unless_limbs(e, emit_is_small(e))}};
 
@@ -345,7 +340,7 @@ static void kernel_slots(const struct emission *e, const char *kernels, struct s
 static void header_slots(const struct emission *e, struct slots *s)
 {
 	const struct function *p = emit_main(e);
-	const struct slot more[] = {
+	const struct slot more[] = {{"DIGEST", digest_text(e)},
 		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"FUNCTION", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"}, {"JOINTS", emit_joints(e)}, {"ENUM", enum_text(e)},
 		{"DIMENSIONS", emit_dimensions(e)}, {"SAMPLE", emit_what(e)}, {"RNEA_CALL", emit_one_call(e, p)}, {"LANES_CALL", lanes_call(e)},
@@ -387,8 +382,8 @@ void emit_source(const struct emission *e, struct text *out)
 void emit_declarations(const struct emission *e, struct text *out)
 {
 	const struct slot slots[] = {
-		{"BANNER", banner_text(e)}, {"NAME", e->options->name}, {"ENUM", enum_text(e)},
-		{"PROTOTYPES", emit_prototypes(e)}, {"JOINTS", emit_joints(e)}};
+		{"BANNER", emit_banner(e)}, {"NAME", e->options->name}, {"ENUM", enum_text(e)},
+		{"DIGEST", digest_text(e)}, {"PROTOTYPES", emit_prototypes(e)}, {"JOINTS", emit_joints(e)}};
 	size_t from = out->length;
 
 	template_expand(out, e->target->declarations, slots, sizeof slots / sizeof *slots);

@@ -328,7 +328,7 @@ int emit_names(const struct plan *p, const char *quantity);
 void emit_legend(const struct emission *e, struct text *out);
 
 /* The comment at the head of the text. */
-void emit_banner(const struct emission *e, struct text *out);
+const char *emit_banner(const struct emission *e);
 
 /* The whole .cu, .c or header; for target C, also the .h that declares its functions. */
 void emit_source(const struct emission *e, struct text *out);

@@ -366,10 +366,14 @@ static void put_kernels(const struct emission *e, struct text *out)
 		put_limbs(e, "start_", emit_start_limbs(e), out);
 }
 
-void emit_banner(const struct emission *e, struct text *out)
+const char *emit_banner(const struct emission *e)
 {
 	const struct algorithm *x = emit_main(e)->algorithm;
+	struct text banner, *out = &banner;
 
+	if (e->banner)
+		return e->banner;
+	text_init(out, e->arena);
 	text_printf(out, "/* %s of \"", x->what);
 	text_put_comment(out, e->tree->robot);
 	text_printf(out, "\": %s %s.\n", x->doc, x->how);
@@ -390,4 +394,5 @@ void emit_banner(const struct emission *e, struct text *out)
 		put_warning(e, e->warnings[i], out);
 	}
 	text_put(out, " */");
+	return text_string(out);
 }

@@ -104,7 +104,7 @@ static size_t comment_or_string(const char *s)
 	return (size_t)(end - s) + 1;
 }
 
-/* What a compiler sees beside comments and strings. */
+/* What a compiler sees beside comments and strings, without the number of a header's guard, which is the head's. */
 static const char *code_of(const char *s, const char *what)
 {
 	struct text t;
@@ -117,7 +117,7 @@ static const char *code_of(const char *s, const char *what)
 	}
 	text_init(&t, &arena);
 	while (*s) {
-		size_t n = comment_or_string(s);
+		size_t n = !strncmp(s, "_RNEA_H ", 8) ? strcspn(s, "\n") : comment_or_string(s);
 
 		text_put(&t, n ? " " : "");
 		if (!n)

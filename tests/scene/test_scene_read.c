@@ -92,7 +92,8 @@ START_TEST(nearest)
 		const char *word, *found;
 	} words[] = {{"elbo", "elbow"}, {"elbow_3", "elbow_2"}, {"leblow", "elbow"}, {"wrsit", "wrist"},
 		{"shuolder_", "shoulder"},
-		{"finger", NULL}, {"Wrist", "wrist"}, {"ba", "ab"}};
+		{"finger", NULL}, {"Wrist", "wrist"}, {"ba", "ab"},
+		{"should", "shoulder"}, {"ow_2", "elbow_2"}, {"left_shoulder_pitch", "shoulder"}, {"left_elbow_2_link", "elbow_2"}};
 	char longer[600];
 
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++) {

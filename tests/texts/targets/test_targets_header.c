@@ -284,6 +284,33 @@ START_TEST(declarations)
 }
 END_TEST
 
+/* Two texts of one name in one file: a compiler stops, where the second would be skipped in silence. One text twice is fine. */
+START_TEST(one_name)
+{
+	static const struct header both[] = {{"same", "iiwa14", RNEAGEN_FIXED, RNEAGEN_F64, RNEAGEN_ACCURATE},
+		{"same", "iiwa14", RNEAGEN_FIXED, RNEAGEN_F32, RNEAGEN_ACCURATE}};
+	enum rneagen_target kind = _i ? RNEAGEN_TARGET_HEADER : RNEAGEN_TARGET_C;
+	struct target_path user = target_path("same_user", ".c");
+	const char *const compile[] = {"gcc", "-std=c11", "-fsyntax-only", user.s, NULL};
+
+	for (int i = 0; i < 2; i++) {
+		struct target t = {0};
+
+		generate(&both[i], kind, &t);
+		target_write(target_path(i ? "same_1" : "same_0", ".h"), _i ? t.text.source : t.text.header);
+		target_close(&t);
+	}
+	for (int i = 0; i < 2; i++) {
+		struct process p;
+
+		target_write(user, i ? "#include \"same_0.h\"\n#include \"same_1.h\"\n" : "#include \"same_0.h\"\n#include \"same_0.h\"\n");
+		p = process_run(compile);
+		ck_assert_msg((p.status != 0) == i && (strstr(p.output, "two texts are named same") != NULL) == i, "%s", p.output);
+		process_free(&p);
+	}
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("header");
@@ -294,6 +321,7 @@ int main(void)
 	tcase_set_timeout(c, 600);
 	tcase_add_loop_test(c, headers_together, 0, LANGUAGE_COUNT);
 	tcase_add_test(c, declarations);
+	tcase_add_loop_test(c, one_name, 0, 2);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }
