@@ -139,10 +139,11 @@ enum rnea_code rnea_evaluate_urdf(const char *urdf, size_t length, const struct 
 	g.tell = 0;
 	g.only = RNEAGEN_ONLY_MAIN;
 	g.parts = 1;
+	if (robot)
+		*robot = NULL;
 	if (!robot || !urdf)
 		return rnea_error_set(e, RNEA_ARGUMENT, "there is no %s",
 			robot ? "URDF (urdf is NULL)" : "place for the robot (robot is NULL)");
-	*robot = NULL;
 	if (generate_text(urdf, length, &g, &text, e))
 		return e->code;
 	open_evaluation(text.source, urdf, length, &g, options, robot, e);

@@ -24,6 +24,10 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+#if defined __cplusplus && defined __GNUC__ && !defined __clang__
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow" /* functions and structs of one name, as C has them */
+#endif
 #ifdef __GNUC__
 #pragma GCC visibility push(default) /* of the shared library, these functions and no others can be seen */
 #endif
@@ -417,12 +421,15 @@ enum rnea_code rnea_run(
 
 /* The same on arrays [sample][row], whatever the text's layout. On the host a text of layout soa is some times as fast
    as one of aos, also with what turning the arrays takes, since compilers make vectors of its samples. Errors: as
-   rnea_run, and ARGUMENT (a text of layout soa on CUDA: generate it with --layout aos). */
+   rnea_run, and ARGUMENT (a text of layout soa on CUDA or by the evaluator: generate it with --layout aos). */
 enum rnea_code rnea_run_aos(
 	const struct rnea_robot *robot, void *const *arguments, size_t count, struct rnea_error *error);
 
 #ifdef __GNUC__
 #pragma GCC visibility pop
+#endif
+#if defined __cplusplus && defined __GNUC__ && !defined __clang__
+#pragma GCC diagnostic pop
 #endif
 #ifdef __cplusplus
 }

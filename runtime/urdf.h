@@ -23,7 +23,7 @@ enum rnea_code rnea_open_urdf(const char *path, const struct rneagen_options *ge
 
 /* The same by the generator's evaluator of expressions, which compiles nothing: the main function alone, ten to a
    hundred times as slow as compiled. `urdf` are `length` bytes; messages call them generate->file. Numbers in memory
-   are as generate->precision says; f32x2 is computed in f64. Of `options`, threads is used. Errors: URDF, MEMORY. */
+   are as generate->precision says; f32x2 is computed in f64. Of `options`, threads is used. Errors: ARGUMENT, URDF, MEMORY. */
 enum rnea_code rnea_evaluate_urdf(const char *urdf, size_t length, const struct rneagen_options *generate,
 	const struct rnea_options *options, struct rnea_robot **robot, struct rnea_error *error);
 

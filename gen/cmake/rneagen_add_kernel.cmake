@@ -29,6 +29,7 @@ function(rneagen_add_kernel target urdf)
 	if(NOT arg_NAME)
 		cmake_path(GET urdf STEM arg_NAME)
 		string(MAKE_C_IDENTIFIER "${arg_NAME}" arg_NAME)
+		string(REGEX REPLACE "^_+" "robot_" arg_NAME "${arg_NAME}") # such names are a compiler's
 	endif()
 	set(words --target ${arg_TARGET})
 	foreach(choice IN LISTS choices)

@@ -56,8 +56,7 @@ static size_t joined_rows(const struct eval_arrays *a)
 	return rows;
 }
 
-/* From the command line's names. */
-static void name_sinks(struct eval_arrays *a)
+void eval_name_sinks(struct eval_arrays *a)
 {
 	a->joined.path = a->out;
 	a->joined.rows = joined_rows(a);
@@ -82,7 +81,6 @@ size_t eval_sinks(struct eval_arrays *a, struct eval_sink *sinks[DAG_ARGUMENTS +
 enum rneagen_code eval_open_inputs(struct eval_arrays *a, int *is_wide, struct rneagen_error *e)
 {
 	*is_wide = 0;
-	name_sinks(a);
 	if (a->in) {
 		if (open_input(a, &a->all, a->in, 0, e))
 			return e->code;
@@ -221,18 +219,30 @@ static enum rneagen_code fail_sink(const struct eval_sink *s, struct rneagen_err
 	return pending_fail(s->f == stdout ? "standard output" : s->path, e);
 }
 
-enum rneagen_code eval_put_headers(struct eval_arrays *a, struct rneagen_error *e)
+/* NULL: it is measured alone. Returns its bytes. */
+static uint64_t put_header(FILE *f, const struct eval_arrays *a, const struct eval_sink *s)
 {
 	struct npy_shape shape = {.dimensions = 1};
-	struct eval_sink *sinks[DAG_ARGUMENTS + 1];
-	size_t count = eval_sinks(a, sinks);
 
 	if (a->first)
 		shape = a->first->shape;
+	shape.size[shape.dimensions - 1] = s->rows;
+	return npy_put_header(f, a->scalar, &shape);
+}
+
+uint64_t eval_bytes(const struct eval_arrays *a, const struct eval_sink *s, uint64_t samples)
+{
+	return put_header(NULL, a, s) + samples * s->rows * eval_scalar_size(a);
+}
+
+enum rneagen_code eval_put_headers(struct eval_arrays *a, struct rneagen_error *e)
+{
+	struct eval_sink *sinks[DAG_ARGUMENTS + 1];
+	size_t count = eval_sinks(a, sinks);
+
 	for (size_t i = 0; i < count; i++) {
-		shape.size[shape.dimensions - 1] = sinks[i]->rows;
 		/* of a run that goes on, the same bytes are there already */
-		sinks[i]->data = npy_put_header(sinks[i]->f, a->scalar, &shape);
+		sinks[i]->data = put_header(sinks[i]->f, a, sinks[i]);
 		if (sinks[i]->f && fflush(sinks[i]->f))
 			return fail_sink(sinks[i], e);
 	}

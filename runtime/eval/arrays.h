@@ -38,7 +38,10 @@ int eval_is_read_by_sample(const struct eval_arrays *a, size_t i);
 /* Open what is to be read. *is_wide: double precision is among it. Errors: READ, MEMORY. */
 enum rneagen_code eval_open_inputs(struct eval_arrays *a, int *is_wide, struct rneagen_error *e);
 
-/* Once inputs are open: the outputs that are written, joined and single, in the order of the arrays, to `sinks`;
+/* Where outputs go, from the command line's names. */
+void eval_name_sinks(struct eval_arrays *a);
+
+/* After that: the outputs that are written, joined and single, in the order of the arrays, to `sinks`;
    returns how many. */
 size_t eval_sinks(struct eval_arrays *a, struct eval_sink *sinks[DAG_ARGUMENTS + 1]);
 
@@ -50,6 +53,9 @@ enum rneagen_code eval_check_shapes(const struct eval_arrays *a, const char *rob
 
 uint64_t eval_samples(const struct eval_arrays *a);
 size_t eval_scalar_size(const struct eval_arrays *a);
+
+/* Bytes of an output's file with so many samples, its header among them. */
+uint64_t eval_bytes(const struct eval_arrays *a, const struct eval_sink *s, uint64_t samples);
 
 /* How an output file is begun. */
 enum eval_begin {

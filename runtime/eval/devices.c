@@ -12,7 +12,9 @@ int eval_devices_take(struct eval_devices *d, const char *command, const char *w
 		size_t length = strcspn(word, ",");
 		unsigned long long n = 0;
 
-		snprintf(number, sizeof number, "%.*s", (int)(length < sizeof number ? length : sizeof number), word);
+		if (length >= sizeof number)
+			return option_refuse(command, "--device takes numbers of devices, not '%.*s'", (int)(length < 255 ? length : 255), word);
+		snprintf(number, sizeof number, "%.*s", (int)length, word);
 		if (command_number(command, "device", number, 0, INT_MAX, &n))
 			return 2;
 		if (d->count == EVAL_DEVICES)

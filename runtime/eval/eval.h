@@ -42,6 +42,7 @@ int eval_take_pair(struct eval_words *w, const char *name, const char *option, c
    promise by its name what is not in it. */
 int eval_note_input(struct eval *v, const char *what, const char *path);
 int eval_note_output(struct eval *v, const char *what, const char *path);
+int eval_note_parts(struct eval *v); /* what --resume, and ranks, write beside outputs */
 
 /* Paths for arrays; then, whether what must have a file has one, and what has none is told. -1, or the exit status and
    a message. */

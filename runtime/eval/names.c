@@ -40,6 +40,35 @@ int eval_note_output(struct eval *v, const char *what, const char *path)
 	return path ? command_note(&v->command, &v->command.written, what, path) : -1;
 }
 
+/* What stands beside outputs until they are complete is written too: it is no input, and no other output. */
+static int note_beside(struct eval *v, const char *path, const char *suffix)
+{
+	struct text name;
+	struct arena a;
+	int status;
+
+	arena_init(&a, NULL);
+	text_init(&name, &a);
+	text_printf(&name, "%s%s", path, suffix);
+	status = name.failed ? command_fail(&v->command, "out of memory")
+			     : command_note(&v->command, &v->command.written, v->resumes ? "--resume's" : "the ranks'", text_string(&name));
+	arena_free(&a);
+	return status;
+}
+
+int eval_note_parts(struct eval *v)
+{
+	struct eval_sink *sinks[DAG_ARGUMENTS + 1];
+	size_t count = eval_sinks(&v->arrays, sinks);
+	int status = -1;
+
+	if (!v->command.ranks->are_shared && !v->resumes)
+		return -1;
+	for (size_t i = 0; i < count && status < 0; i++)
+		status = note_beside(v, sinks[i]->path, ".part");
+	return status < 0 && count ? note_beside(v, sinks[0]->path, ".resume") : status;
+}
+
 /* ---- which array is which file ---- */
 
 /* A name may have a = in it, as may a file's: the first that leaves the name of an array. */

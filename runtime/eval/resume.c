@@ -118,7 +118,7 @@ static enum rneagen_code check_parts(struct eval_resume *r, struct eval_arrays *
 	size_t count = eval_sinks(a, sinks);
 
 	for (size_t i = 0; i < count; i++)
-		if (r->done && (uint64_t)part_size(sinks[i]->path, &r->arena) < r->done * sinks[i]->rows * eval_scalar_size(a))
+		if (r->done && (uint64_t)part_size(sinks[i]->path, &r->arena) < eval_bytes(a, sinks[i], r->done))
 			return error_set(e, RNEAGEN_READ,
 				"%s: %s.part is shorter than the %" PRIu64
 				" samples that it is to have; to begin anew remove %s",
@@ -177,6 +177,22 @@ enum rneagen_code eval_resume_record(struct eval_resume *r, uint64_t done, struc
 void eval_resume_remove(const struct eval_resume *r)
 {
 	unlink(r->path);
+}
+
+enum rneagen_code eval_resume_clear(const struct eval_resume *r, struct rneagen_error *e)
+{
+	char begin[NUMBER_AT];
+	FILE *f = fopen(r->path, "rb");
+	int is_ours;
+
+	if (!f)
+		return errno == ENOENT ? RNEAGEN_OK : pending_fail(r->path, e);
+	is_ours = fread(begin, 1, sizeof begin, f) == sizeof begin && !memcmp(begin, FIRST, sizeof begin);
+	fclose(f);
+	if (!is_ours)
+		return error_set(e, RNEAGEN_WRITE, "%s: stands where --resume keeps its place, and is no such file; move it", r->path);
+	eval_resume_remove(r);
+	return RNEAGEN_OK;
 }
 
 void eval_resume_close(struct eval_resume *r)

@@ -33,6 +33,9 @@ enum rneagen_code eval_resume_begin(struct eval_resume *r, struct rneagen_error 
 /* So many are, and are on the disk. Error: WRITE. */
 enum rneagen_code eval_resume_record(struct eval_resume *r, uint64_t done, struct rneagen_error *e);
 
+/* Take the side file of an earlier run away, if there is one. Error: WRITE: what stands there is no such file. */
+enum rneagen_code eval_resume_clear(const struct eval_resume *r, struct rneagen_error *e);
+
 void eval_resume_remove(const struct eval_resume *r);
 void eval_resume_close(struct eval_resume *r);
 

@@ -126,6 +126,9 @@ static int analyse(struct eval *v)
 	status = eval_name_files(v);
 	if (status < 0)
 		status = eval_check_inputs(v);
+	eval_name_sinks(&v->arrays);
+	if (status < 0)
+		status = eval_note_parts(v);
 	return status < 0 ? command_check_files(&v->command) : status;
 }
 
@@ -152,8 +155,8 @@ static int open_outputs(struct eval *v)
 		if (eval_resume_open(&v->resume, &v->arrays, &v->error))
 			return tell(v);
 		v->goes_on = v->resumes && eval_resume_is_there(&v->resume, &v->arrays);
-		if (!v->goes_on)
-			eval_resume_remove(&v->resume);
+		if (!v->goes_on && eval_resume_clear(&v->resume, &v->error))
+			return tell(v);
 		begin = v->goes_on ? EVAL_GO_ON : EVAL_PART;
 	}
 	eval_open_outputs(&v->arrays, begin, &v->error);

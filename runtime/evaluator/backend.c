@@ -46,7 +46,7 @@ static char next_character(const char **s)
 {
 	char c = *(*s)++;
 
-	if (c != '\\')
+	if (c != '\\' || !**s)
 		return c;
 	c = *(*s)++;
 	return c == 'n' ? '\n' : c == 't' ? '\t' : c;

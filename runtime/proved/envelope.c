@@ -50,6 +50,7 @@ static void judge(struct envelope_row *r)
 
 	r->proved = fmax(fabs(r->low), fabs(r->high)) / limit;
 	r->found = fmax(fabs(r->found_low), fabs(r->found_high)) / limit;
+	r->is_finite = isfinite(r->low) && isfinite(r->high) && isfinite(r->found_low) && isfinite(r->found_high);
 	r->verdict = r->effort == 0 ? ENVELOPE_NO_LIMIT : r->proved <= 1 ? ENVELOPE_KEPT : r->found > 1
 		? ENVELOPE_EXCEEDED : ENVELOPE_OPEN;
 }
@@ -88,9 +89,17 @@ static void put_quoted(struct text *out, const char *s)
 	text_putc(out, '"');
 }
 
+/* And a comma; nothing of what is not finite. */
+static void put_number(struct text *out, double x)
+{
+	if (isfinite(x))
+		text_printf(out, "%.17g", x + 0.0);
+	text_putc(out, ',');
+}
+
 static void put_share(struct text *out, const struct envelope_row *r, double share)
 {
-	if (r->effort > 0)
+	if (r->effort > 0 && isfinite(share))
 		text_printf(out, ",%.6g", share);
 	else
 		text_putc(out, ',');
@@ -104,11 +113,13 @@ void envelope_put_csv(const struct envelope *x, struct text *out)
 	text_put(out, "output,row,joint,unit,low,high,found_low,found_high,effort_limit,proved_of_limit,found_of_limit,limit_is\n");
 	for (size_t i = 0; i < x->count; i++) {
 		const struct envelope_row *r = &x->rows[i];
+		const double numbers[] = {r->low, r->high, r->found_low, r->found_high};
 
 		text_printf(out, "%s,%d,", r->output, r->row);
 		put_quoted(out, r->joint);
-		text_printf(out, ",%s,%.17g,%.17g,%.17g,%.17g,", r->unit, r->low + 0.0, r->high + 0.0, r->found_low + 0.0,
-			r->found_high + 0.0);
+		text_printf(out, ",%s,", r->unit);
+		for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++)
+			put_number(out, numbers[k]);
 		if (r->effort > 0)
 			text_printf(out, "%.17g", r->effort);
 		put_share(out, r, r->proved);

@@ -78,15 +78,19 @@ static void put_joint(const struct sheet *s, int i, FILE *f)
 	double most = fmax(fmax(fabs(r->low), fabs(r->high)), shows_limit(r) ? r->effort : 0);
 
 	put_place(s, i, f);
-	most = most > 0 ? 1.12 * most : 1;
+	most = r->is_finite && most > 0 ? 1.12 * most : 1;
 	fprintf(f, "set title '");
 	gnuplot_put_name(f, r->joint);
 	fprintf(f, "' noenhanced font ',11' offset 0,-0.6\nset yrange [%.9g:%.9g]\n", -most, most);
-	put_bar(f, 0.14, 0.86, r->low, r->high, PROVED);
-	put_bar(f, 0.3, 0.7, r->found_low, r->found_high, FOUND);
-	for (int side = -1; side <= 1 && shows_limit(r); side += 2)
-		put_limit(f, side * r->effort);
-	put_words(r, f);
+	if (r->is_finite) {
+		put_bar(f, 0.14, 0.86, r->low, r->high, PROVED);
+		put_bar(f, 0.3, 0.7, r->found_low, r->found_high, FOUND);
+		for (int side = -1; side <= 1 && shows_limit(r); side += 2)
+			put_limit(f, side * r->effort);
+		put_words(r, f);
+	} else {
+		fprintf(f, "set label 'no range' at graph 0.5,-0.075 center font ',10' textcolor rgb '#303030'\n");
+	}
 	fprintf(f, "plot 0 notitle lc rgb '#909090'\nunset object\nunset arrow\nunset label\n");
 }
 

@@ -77,6 +77,12 @@ static void put_gap(const struct proved *x, size_t i, int k, struct text *out)
 	out->failed |= why.failed;
 }
 
+/* A single state's bound has the rounding of the evaluator in it, some 2^-11 of the error, which no proof has. */
+static double error_found(const struct prove_row *r, int k)
+{
+	return fmin(r->error_found[k], r->error_bound[k]);
+}
+
 static void put_row(const struct proved *x, size_t i, int k, struct text *out)
 {
 	const struct output *o = &x->a->dag.outputs[i];
@@ -95,7 +101,7 @@ static void put_row(const struct proved *x, size_t i, int k, struct text *out)
 	put_number(out, "found_high", r->found_high);
 	put_number(out, "plain_intervals", r->plain);
 	put_number(out, "error_bound", r->error_bound[k]);
-	put_number(out, "error_found", r->error_found[k]);
+	put_number(out, "error_found", error_found(r, k));
 	put_gap(x, i, k, out);
 	put_number(out, "effort", effort > 0 ? effort : (double)NAN);
 	put_number(out, "error_of_effort", effort > 0 ? r->error_bound[k] / effort * (1 + 0x1p-50) : (double)NAN);
@@ -150,6 +156,18 @@ static double slack(const struct prove_row *r)
 	return found > 0 ? proved / found : 1;
 }
 
+/* Where sums leave the doubles no range is proved, and what a search finds is no number. */
+static void put_range(const struct prove_row *r, struct text *out)
+{
+	double found = fmax(fabs(r->found_low), fabs(r->found_high));
+
+	if (isfinite(r->low) && isfinite(r->high) && isfinite(found))
+		text_printf(out, "from %.6g to %.6g; found %.6g to %.6g; slack %.2f, of plain intervals %.1f", r->low + 0.0, r->high + 0.0,
+			r->found_low, r->found_high, slack(r), r->plain / fmax(found, 1e-300));
+	else
+		text_put(out, "no range: the ranges of inputs are too wide for doubles");
+}
+
 static void put_line(const struct proved *x, size_t i, struct text *out)
 {
 	const struct output *o = &x->a->dag.outputs[i];
@@ -157,10 +175,9 @@ static void put_line(const struct proved *x, size_t i, struct text *out)
 	double effort;
 	const char *joint = joint_of(x, o, &effort);
 
-	text_printf(out, "%s[%d] %s: from %.6g to %.6g; found %.6g to %.6g; slack %.2f, of plain intervals %.1f",
-		output_name(x, o), o->row, joint, r->low + 0.0, r->high + 0.0, r->found_low, r->found_high, slack(r),
-		r->plain / fmax(fmax(fabs(r->found_low), fabs(r->found_high)), 1e-300));
-	if (effort > 0)
+	text_printf(out, "%s[%d] %s: ", output_name(x, o), o->row, joint);
+	put_range(r, out);
+	if (effort > 0 && isfinite(r->low) && isfinite(r->high))
 		text_printf(out, "; at most %.3g of the effort limit, %g", fmax(fabs(r->low), fabs(r->high)) / effort, effort);
 	text_putc(out, '\n');
 	for (int k = 0; k < x->o->precision_count; k++) {
@@ -171,7 +188,7 @@ static void put_line(const struct proved *x, size_t i, struct text *out)
 			continue;
 		}
 		text_printf(out, "    %-5s off by at most %.3g; found %.3g; slack %.2f", emit_precision_name(x->o->precisions[k]),
-			r->error_bound[k], r->error_found[k], r->error_bound[k] / fmax(r->error_found[k], 1e-300));
+			r->error_bound[k], error_found(r, k), r->error_bound[k] / fmax(error_found(r, k), 1e-300));
 		if (effort > 0)
 			text_printf(out, "; %.2g of the limit", r->error_bound[k] / effort);
 		text_putc(out, '\n');
