@@ -61,10 +61,12 @@ static char *read_table(const struct source *source, size_t *length)
 	*length = 0;
 	snprintf(marker, sizeof marker, "%s_info[] =", source->name);
 	s = strstr(source->text, marker);
-	for (; table && s && *s && *s != ';'; s++)
-		if (*s == '"')
-			for (s++; *s && *s != '"';)
+	while (table && s && *s && *s != ';')
+		if (*s++ == '"') {
+			while (*s && *s != '"')
 				table[(*length)++] = next_character(&s);
+			s += *s == '"';
+		}
 	return table;
 }
 

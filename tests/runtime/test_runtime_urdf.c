@@ -165,10 +165,17 @@ static void assert_error(const struct rnea_error *e, enum rnea_code code, const 
 	ck_assert_ptr_null(strchr(e->message, '\n'));
 }
 
+static int compute_nothing(void *context, void *const *arrays, size_t count, size_t first, size_t end)
+{
+	(void)context, (void)arrays, (void)count, (void)first, (void)end;
+	return 1;
+}
+
 /* What goes without a compiler is refused where something is missing; arrays are turned on the host alone. */
 START_TEST(evaluator_errors)
 {
-	static const struct rnea_evaluator nothing = {0};
+	static const char cut[] = "RNEA_INFO const char a_info[] = \"ab\\";
+	static const struct rnea_evaluator nothing = {0}, some = {.evaluate = compute_nothing};
 	struct rnea_options o = {.backend = RNEA_BACKEND_EVALUATOR}, cuda = {.backend = RNEA_BACKEND_CUDA};
 	void *arrays[4];
 	struct rnea_robot *robot;
@@ -178,6 +185,11 @@ START_TEST(evaluator_errors)
 	use_fakes();
 	rnea_open_evaluator("text", 4, &nothing, NULL, &robot, &e);
 	assert_error(&e, RNEA_ARGUMENT, "no evaluator");
+	rnea_open_evaluator(cut, sizeof cut - 1, &some, NULL, &robot, &e); /* under the sanitizers: nothing behind it is read */
+	assert_error(&e, RNEA_TABLE, "info table");
+	rnea_evaluate_urdf(NULL, 0, NULL, NULL, &robot, &e);
+	assert_error(&e, RNEA_ARGUMENT, "urdf is NULL");
+	ck_assert_ptr_null(robot);
 	rnea_open("text", 4, &o, &robot, &e);
 	assert_error(&e, RNEA_ARGUMENT, "no backend");
 	rnea_open_urdf(TEST_DIR "/bad/axis_zero.urdf", NULL, &o, &robot, &e);
