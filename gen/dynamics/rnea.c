@@ -6,6 +6,7 @@
    bounded by the depth of the tree, not by the number of its bodies. */
 #include "dynamics/registry.h"
 #include "dynamics/tour.h"
+#include "tree/lumps.h"
 
 /* dV + 2 w x V, the acceleration that sliding at V adds in a frame that turns with w */
 static struct svec slide_acceleration(struct dag *d, struct svec w, struct svec V, struct svec dV)
@@ -202,8 +203,10 @@ void at_rest_enter(const struct tour *r, int body)
 	dag_section(d, SECTION_OUT, body);
 	x->pose = joint_place(d, k, r->in);
 	x->motion.a = joint_into(d, k, &x->pose, smat_mul_transposed(d, &x->pose.R, r->frames[k->parent + 1].motion.a));
-	x->mass = p ? p->mass : dag_within(d, k->inertia.mass);
-	x->own = p ? p->h : svec_const(d, k->inertia.h);
+	if (!lumps_is_held(r->t, body)) { /* else no torque feels it, and it is no part of what moves */
+		x->mass = p ? p->mass : dag_within(d, k->inertia.mass);
+		x->own = p ? p->h : svec_const(d, k->inertia.h);
+	}
 	svec_tag(d, x->motion.a, "a", k->number);
 }
 
