@@ -303,9 +303,11 @@ void product_output(struct build *b, struct joint_inputs in, int want)
 		output_vjp(&s, b->outputs[want]);
 }
 
+/* The vjp comes first: the jvp may be of it. */
 void product_outputs(struct build *b, struct joint_inputs in)
 {
-	for (int i = 0; i < b->k->stored_count && !b->d->failed; i++)
-		if (product_of(b->k, i) && !product_is_of_torques(b, i))
-			product_output(b, in, i);
+	for (int is_jvp = 0; is_jvp < 2; is_jvp++)
+		for (int i = 0; i < b->k->stored_count && !b->d->failed; i++)
+			if (product_of(b->k, i) && (b->k->wants[i].kind == WANT_JVP) == is_jvp && !product_is_of_torques(b, i))
+				product_output(b, in, i);
 }

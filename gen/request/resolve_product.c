@@ -97,6 +97,17 @@ static int made(const struct resolver *x, const struct want *w)
 	return k->want_count++;
 }
 
+/* Of products one has another: a second derivative, the jvp of the vjp. */
+static enum rneagen_code check_second(const struct resolver *x, const struct scene_choice *c, struct want *w)
+{
+	if (w->kind != WANT_VJP || c->key != SCENE_JVP)
+		return scene_refuse(x->s, c, x->e, "'%.255s' is a product itself: second derivatives are those of --jvp vjp", c->name);
+	if (!request_wants(x->k, WANT_VJP))
+		return scene_refuse(x->s, c, x->e, "there is no vjp here: --vjp NAME,... says of which outputs");
+	w->rows = 3 * x->t->nv;
+	return RNEAGEN_OK;
+}
+
 static enum rneagen_code add_of(const struct resolver *x, const struct scene_choice *c, struct product *p)
 {
 	struct want w;
@@ -104,8 +115,8 @@ static enum rneagen_code add_of(const struct resolver *x, const struct scene_cho
 
 	if (request_quantity(x, c, &w))
 		return x->e->code;
-	if (want_is(w.kind, IS_PRODUCT))
-		return scene_refuse(x->s, c, x->e, "'%.255s' is a product itself, and there is none of that", c->name);
+	if (want_is(w.kind, IS_PRODUCT) && check_second(x, c, &w))
+		return x->e->code;
 	if (w.kind == WANT_QDD_BOUND)
 		return scene_refuse(x->s, c, x->e, "'%.255s' is a bound, which has no derivative: take qdd", c->name);
 	which = made(x, &w);

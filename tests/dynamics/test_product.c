@@ -1,6 +1,7 @@
 /* jvp and vjp of sets of outputs: a wrong derivative of any output, by the state or by what is free or pushes, a row in the wrong
    place, a qdd found that stands still. Against differences of the outputs themselves, of a text without products, in extended
-   precision, in drawn scenes of random trees and of robots of this folder; and vjp is jvp transposed. */
+   precision, in drawn scenes of random trees and of robots of this folder; and vjp is jvp transposed. Second derivatives, the jvp of the
+   vjp, against differences of the vjp. */
 #include "product_case.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
@@ -128,12 +129,13 @@ static void compare_vjp(struct drawn_case *x, const real *out, const int *of)
 		sum, size, x->scene);
 }
 
-static void check_case(struct drawn_case *x)
+static void check_case(struct drawn_case *x, int is_second)
 {
 	const struct dag *d = &x->products.dag;
 	real *out = calloc(VALUES, sizeof *out);
 	int of[DAG_ARGUMENTS], k = 0;
 
+	x->given_count = 0;
 	draw_numbers(x);
 	evaluate(x, d, 0, out, of);
 	for (int i = 0; i < d->argument_count; i++) {
@@ -141,7 +143,8 @@ static void check_case(struct drawn_case *x)
 			compare_jvp(x, out + of[k]);
 		k += d->arguments[i].is_output;
 	}
-	compare_vjp(x, out, of);
+	if (!is_second)
+		compare_vjp(x, out, of);
 	free(out);
 }
 
@@ -181,6 +184,27 @@ static int open_both(struct drawn_case *x)
 	return 1;
 }
 
+static void open_scene(struct drawn_case *x, struct scene_model *m, char *scene)
+{
+	x->options.scene = scene;
+	ck_assert_msg(!scene_open(m, x->urdf, &x->options), "%s: %s; scene:\n%s", x->what, m->error.message, scene);
+}
+
+/* How the vjp varies: of these outputs, by the same inputs. */
+static void check_second(struct drawn_case *x)
+{
+	char scene[4096] = "", second[4096] = "";
+
+	say(second, sizeof second, "%svjp %s\njvp vjp\n", x->scene, x->of);
+	say_by(x, second, sizeof second);
+	scene_close(&x->products);
+	scene_close(&x->values);
+	say(scene, sizeof scene, "%svjp %s\n", x->scene, x->of);
+	open_scene(x, &x->values, scene);
+	open_scene(x, &x->products, second);
+	check_case(x, 1);
+}
+
 /* Returns whether the robot has such dynamics. */
 static int check_drawn(const char *urdf, enum rneagen_base base, uint64_t seed, int is_forward, const char *what)
 {
@@ -198,7 +222,8 @@ static int check_drawn(const char *urdf, enum rneagen_base base, uint64_t seed, 
 		draw_set(x, &plain.tree);
 		is_open = open_both(x);
 		if (is_open) {
-			check_case(x);
+			check_case(x, 0);
+			check_second(x);
 			scene_close(&x->products);
 		}
 		scene_close(&x->values);

@@ -163,7 +163,9 @@ def case_products():
     assert sweep is robot.want(vjp=["tau", "twist.iiwa_link_5"], by=["payload.iiwa_link_7"])
     along = robot.want(jvp="pose.iiwa_link_7")
     assert [a.name for a in along.inputs] == ["q", "payload_iiwa_link_7", "jvp_v"] or [a.name for a in along.inputs] == ["q", "jvp_v"]
-    refused(NotImplementedError, ["vjp", "second"], sweep(q, *(x.detach() for x in (qd, qdd, load_of)), w).vjp.sum().backward)
+    refused(NotImplementedError, ["second derivatives", "payload.iiwa_link_7"], sweep(q, qd, qdd, load_of, w).vjp.sum().backward)
+    refused(NotImplementedError, ["jvp has no gradient"], along(*(q if a.name == "q" else load_of if a.of else torch.ones(
+        5, 21, dtype=torch.float64, device=device) for a in along.inputs)).sum().backward)
     refused(TypeError, ["vpj", "vjp"], robot.want, vpj=["tau"])
     if exhaustive():
         check_gradient("iiwa14")
@@ -226,9 +228,6 @@ def case_transforms():
     load_of = torch.zeros(4, 10, dtype=torch.float64, device=device)
     refused(NotImplementedError, ["vmap", "payload_iiwa_link_7", ":sample"], func.vmap(lambda x: robot(q, qd, qdd, x)), load_of)
     assert near(func.jacfwd(lambda x: robot(x, qd[0], qdd[0]))(q[0]), right.dtau_dq[0])
-    q.requires_grad_()
-    first, = torch.autograd.grad(robot(q, qd, qdd).sum(), q, create_graph=True)
-    refused(NotImplementedError, ["second derivatives", "iiwa14"], first.sum().backward)
 
 
 def case_forward():
@@ -251,6 +250,29 @@ def case_forward():
         with torch.autograd.forward_ad.dual_level():
             dual = flat(*(torch.autograd.forward_ad.make_dual(a, b) for a, b in zip(x, d)))
             assert torch.equal(torch.autograd.forward_ad.unpack_dual(dual).tangent, along), options
+
+
+def case_second():
+    """Gradients of gradients beside differences of gradients, and Hessians by either way; floating bases, whose twists do not commute."""
+    for name, options in (("iiwa14", {"want": ["tau", "pose.iiwa_link_7"]}), ("iiwa14", {"want": "qdd"}), ("cartpole", {"base": "floating"})):
+        robot = load(name, **options)
+        x = [y.requires_grad_() for y in tensors(robot, 2)]
+        is_floating = robot.nq > robot.nv
+
+        def outputs(q, *others):
+            if is_floating:
+                q = torch.cat([q[:, :3], q[:, 3:7] / q[:, 3:7].norm(dim=-1, keepdim=True), q[:, 7:]], -1)
+            return robot(q, *others)
+
+        assert torch.autograd.gradgradcheck(outputs, x, atol=1e-5, rtol=1e-4), options
+        rest = [y.detach()[:1] for y in x[1:]]
+
+        def loss(q):
+            made = outputs(q[None], *rest)
+            return sum(y.square().sum() for y in (made if isinstance(made, tuple) else (made,)))
+
+        hessian = torch.func.hessian(loss)(x[0].detach()[0])
+        assert near(hessian, hessian.T, 1e-11) and near(torch.autograd.functional.hessian(loss, x[0].detach()[0]), hessian, 1e-11), options
 
 
 def case_pieces():

@@ -6,6 +6,15 @@ Backward, with w the gradients of the loss by the outputs, one after another, th
 outputs/d(q, qd, qdd), or by tau in place of qdd where that is found. Forward, with d the tangents of (q, qd, qdd) or
 (q, qd, tau), its output jvp is d outputs/d(...) d. For what is free and for wrenches, where derivatives by these are
 needed, it has an output or an input each.
+
+Second derivatives are derivatives of a text that has an output vjp, w' J with J = d outputs/d(q, qd, qdd). By the state along d
+they are the output jvp of a third text, H d (--jvp vjp), by w they are products with J again:
+
+    forward    vjp varies by H d + dw' J
+    backward   with g the gradient by vjp, the loss varies by H' g with the state, by J g with w
+
+H is symmetric but for rows of floating joints, whose twists do not commute: (H' g)_j = (H g)_j + vjp . [e_j, g], with Lie's bracket
+[(a, b), (c, d)] = (b x c + a x d, b x d) of twists (linear, angular).
 """
 from __future__ import annotations
 
@@ -16,8 +25,7 @@ from ._errors import RobotError
 
 PARTS = {"joint_position": 0, "joint_velocity": 1, "joint_acceleration": 2, "joint_torque": 2}  # of vjp and jvp_v
 FREED = ("gravity", "link_mass", "link_inertia", "link_payload", "joint_offset")
-REFUSED = {"vjp": "second derivatives: it is a derivative", "jvp": "second derivatives: it is a derivative",
-           "joint_acceleration_bound": "it is a bound"}  # by role
+REFUSED = {"jvp": "it is a derivative already; that of a vjp has one", "joint_acceleration_bound": "it is a bound"}  # by role
 
 
 class Library(NamedTuple):
@@ -86,8 +94,16 @@ class Gradients:
         if not of or not needed:
             return [None] * len(inputs)
         given = {a.word: x for a, x in zip(inputs, arrays)}
-        found = self.products(of, needed, given)
-        return [self.pick(a, found, given, apart) if need else None for a, need in zip(inputs, needs)]
+        first, second = [x for x in of if x[0].role != "vjp"], [x for x in of if x[0].role == "vjp"]
+        found = [self.products(first, [a for a in needed if a.role != "cotangent"], given)] if first else []
+        found += [self.second(x, needed, given) for x in second]
+        return [self.total([self.pick(a, f, given, apart) for f in found]) if need else None for a, need in zip(inputs, needs)]
+
+    @staticmethod
+    def total(parts: list):
+        """Their sum; None where there is none."""
+        there = [x for x in parts if x is not None]
+        return sum(there[1:], there[0]) if there else None
 
     def products(self, of: Sequence[tuple], needed: Sequence, given: dict[str, Any]) -> dict[str, Any]:
         """vjp of these outputs with these weights, and what it is by other inputs: by word."""
@@ -101,8 +117,50 @@ class Gradients:
             weights["qdd"] = self.library.zeros(w, (*lead, self.robot.nv))
         return self.run(robot, {**given, "vjp_v": self.library.join([weights[word] for word in words])}, lead, w)
 
+    def second(self, of: tuple, needed: Sequence, given: dict[str, Any]) -> dict[str, Any]:
+        """What the gradient g by vjp makes of the state, as products has it, and of its weights."""
+        a, g = of
+        lead = tuple(g.shape[:len(g.shape) - 1])
+        for other in needed:
+            if a.word != "vjp" or other.role not in PARTS and other.role != "cotangent":
+                raise NotImplementedError(f"{self.robot.name}: second derivatives are by the state alone, not by {other.word}")
+        found: dict[str, Any] = {}
+        if any(x.role in PARTS for x in needed):
+            made = self.run(self.second_robot(()), {**given, "jvp_v": g}, lead, g)
+            found["vjp"] = self.transposed(made["jvp"], made["vjp"], g)
+        if any(x.role == "cotangent" for x in needed):
+            found["vjp_v"] = self.run(self.along_robot(), {**given, "jvp_v": g}, lead, g)["jvp"]
+        return found
+
+    def second_robot(self, by: Sequence, apart: tuple[str, ...] = ()):
+        """How its vjp varies along a direction."""
+        words = tuple(a.word for a in by if a.role not in PARTS and a.role != "cotangent")
+        key = "second", words, apart
+        if key not in self.made:
+            self.made[key] = self.robot._with(want=None, jvp=["vjp"], by=list(words) or None, sparse=None, **self.freed(apart))
+        return self.made[key]
+
+    def along_robot(self):
+        """The products of what its vjp is of, the other way."""
+        if "along" not in self.made:
+            self.made["along"] = self.robot._with(want=None, jvp=self.robot._options["vjp"], vjp=None, by=None, sparse=None)
+        return self.made["along"]
+
+    def transposed(self, product, vjp, g):
+        """H' g from H g."""
+        pieces, at, cross = [], 0, self.library.cross
+        for joint in self.floating:
+            i = joint["iv"]
+            c, d, m, n = (x[..., k:k + 3] for x in (g, vjp) for k in (i, i + 3))
+            # e_j = (a, b): m . (b x c + a x d) + n . (b x d)
+            pieces += [product[..., at:i], product[..., i:i + 3] + cross(d, m), product[..., i + 3:i + 6] + cross(c, m) + cross(d, n)]
+            at = i + 6
+        return self.library.join([*pieces, product[..., at:]]) if pieces else product
+
     def pick(self, array, found: dict[str, Any], given: dict[str, Any], apart: tuple[str, ...]):
         """The gradient by one input."""
+        if array.role == "cotangent":
+            return found.get("vjp_v")
         if array.role in PARTS:
             at, nv = PARTS[array.role] * self.robot.nv, self.robot.nv
             part = found["vjp"][..., at:at + nv]
@@ -117,24 +175,56 @@ class Gradients:
     def forward(self, of: Sequence, arrays: Sequence, tangents: Sequence) -> list:
         """The tangents of these outputs, from those of the inputs, None for none, with as many axes of samples as the
         arrays have. The tangent of a constant of the whole batch may have them too: it is `apart` then."""
-        inputs, library = self.robot.inputs, self.library
-        given = [(a, d) for a, d in zip(inputs, tangents) if d is not None]
-        apart = tuple(a.word for a, d in given if a.per_batch and len(d.shape) > len(a.shape))
-        lead = next((tuple(x.shape[:len(x.shape) - len(a.shape)]) for a, x in zip(inputs, arrays) if not a.per_batch), ())
+        library = self.library
+        given = [(a, d) for a, d in zip(self.robot.inputs, tangents) if d is not None]
+        lead = next((tuple(x.shape[:len(x.shape) - len(a.shape)]) for a, x in zip(self.robot.inputs, arrays) if not a.per_batch), ())
+        values = {a.word: x for a, x in zip(self.robot.inputs, arrays)}
+        state = [(a, d) for a, d in given if a.role != "cotangent"]
+        weights = next((d for a, d in given if a.role == "cotangent"), None)
+        first = [a for a in of if a.role != "vjp"]
+        found = self.tangents(first, values, state, lead) if first and state else {}
+        for a in of:
+            if a.role == "vjp":
+                found[a.word] = self.second_tangent(a, values, state, weights, lead)
         like = given[0][1]
+        return [found[a.word].reshape((*lead, *a.shape)) if a.word in found else library.zeros(like, (*lead, *a.shape))
+                for a in of]
+
+    def along(self, robot, values: dict[str, Any], given: Sequence[tuple], lead: tuple[int, ...], apart: tuple[str, ...]):
+        """The output jvp of a robot, along these tangents."""
+        library, like = self.library, given[0][1]
+        shapes = {a.word: a.shape for a in self.robot.inputs}
+        values = {word: library.expand(x, (*lead, *shapes[word])) if word in apart else x for word, x in values.items()}
+        values.update({f"jvp_v.{a.word}": d for a, d in given if a.role not in PARTS})
+        values["jvp_v"] = self.direction(given, values, library.zeros(like, (*lead, self.robot.nv)))
+        return self.run(robot, values, lead, like)["jvp"]
+
+    @staticmethod
+    def apart(given: Sequence[tuple]) -> tuple[str, ...]:
+        return tuple(a.word for a, d in given if a.per_batch and len(d.shape) > len(a.shape))
+
+    def tangents(self, of: Sequence, values: dict[str, Any], given: Sequence[tuple], lead: tuple[int, ...]) -> dict[str, Any]:
+        """Of outputs that are no product, by word; what is not there is 0."""
+        apart = self.apart(given)
         robot, words = self.make("jvp", of, [a for a, _ in given], apart)
         found, at = {}, 0
         if robot is not None:
-            values = {a.word: library.expand(x, (*lead, *a.shape)) if a.word in apart else x for a, x in zip(inputs, arrays)}
-            values.update({f"jvp_v.{a.word}": d for a, d in given if a.role not in PARTS})
-            values["jvp_v"] = self.direction(given, values, library.zeros(like, (*lead, self.robot.nv)))
-            jvp = self.run(robot, values, lead, like)["jvp"]
-            rows = {a.word: a.rows for a in of}
+            jvp, rows = self.along(robot, values, given, lead, apart), {a.word: a.rows for a in of}
             for word in words:
                 found[word] = jvp[..., at:at + rows.get(word, 0)]
                 at += rows.get(word, 0)
-        return [found[a.word].reshape((*lead, *a.shape)) if a.word in found else library.zeros(like, (*lead, *a.shape))
-                for a in of]
+        return found
+
+    def second_tangent(self, array, values: dict[str, Any], given: Sequence[tuple], weights, lead: tuple[int, ...]):
+        """Of vjp: H d + dw' J."""
+        if array.word != "vjp":
+            raise NotImplementedError(f"{self.robot.name}: second derivatives are by the state alone, not of {array.word}")
+        parts, apart = [], self.apart(given)
+        if given:
+            parts.append(self.along(self.second_robot([a for a, _ in given], apart), values, given, lead, apart))
+        if weights is not None:
+            parts.append(self.run(self.robot, {**values, "vjp_v": weights}, lead, weights)["vjp"])
+        return self.total(parts)
 
     def direction(self, given: Sequence[tuple], values: dict[str, Any], zero):
         """jvp_v: tangents of q, qd and qdd or tau, one after another."""
