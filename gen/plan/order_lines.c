@@ -192,9 +192,10 @@ static void write_with_operands(struct orderer *x, uint32_t line)
 static int row_of(const struct orderer *x, const struct line *l)
 {
 	const struct output *o = &x->p->dag->outputs[l->index];
+	const struct argument *a = &x->p->dag->arguments[o->argument];
 	int last = x->t->nv - 1;
 
-	if (x->p->dag->arguments[o->argument].role == ROLE_VJP)
+	if (a->role == ROLE_VJP || (a->role == ROLE_JVP && !strcmp(a->of, "vjp"))) /* by q, qd and qdd */
 		return o->row % x->t->nv;
 	return o->row < last ? o->row : last;
 }

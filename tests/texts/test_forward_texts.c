@@ -34,6 +34,7 @@ static const struct subject {
 		0},
 	{"floating_joint", "want qdd,com\njvp com,potential\nvjp qdd,pose.left_arm\n", 0},
 	{"root_with_mass", "free mass.leg:sample\nwant qdd,dqdd_dqd,dqdd_dmass.leg\njvp qdd\nvjp qdd\n", 1},
+	{"root_with_mass", "free mass.leg:sample\nvjp qdd,com\njvp vjp,kinetic\nby mass.leg\n", 1}, /* second derivatives */
 };
 static const char *const WAYS[] = {"dynamics factor\n", "dynamics articulated\n", "dense\nrefine 1\n"};
 static const enum rneagen_target TARGETS[] = {RNEAGEN_TARGET_C, RNEAGEN_TARGET_CUDA, RNEAGEN_TARGET_HEADER};

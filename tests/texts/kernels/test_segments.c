@@ -30,6 +30,7 @@ static const struct subject {
 	{"planar_joint", "free gravity\n", 1, 50, RNEAGEN_MIXED, RNEAGEN_ACCURATE, 2},
 	{"ur5", "want qdd\nrefine 1\n", 0, 90, RNEAGEN_F32, RNEAGEN_ACCURATE, 4},
 	{"double_pendulum", "want tau,M\n", 0, 20, RNEAGEN_F32X2, RNEAGEN_ACCURATE, 2},
+	{"ur5", "vjp tau\njvp vjp\n", 1, 300, RNEAGEN_F64, RNEAGEN_ACCURATE, 2},
 };
 enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
 
