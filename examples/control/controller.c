@@ -20,18 +20,7 @@ static const double KP = 400, KD = 40;	   /* 1/s^2, 1/s: two poles at -20/s */
 static const double MARGIN = 0.02;	   /* rad kept from every joint limit */
 static const double TRACKING_LIMIT = 1e-3; /* rad, once settled */
 
-/* iiwa14.urdf: <limit lower upper effort velocity>, <dynamics damping>; rad, N m, rad/s, N m s/rad */
-static const struct joint {
-	double lower, upper, effort, velocity;
-} JOINTS[N] = {
-	{-2.96705972839, 2.96705972839, 320, 1.4835298641951802},
-	{-2.09439510239, 2.09439510239, 320, 1.4835298641951802},
-	{-2.96705972839, 2.96705972839, 176, 1.7453292519943295},
-	{-2.09439510239, 2.09439510239, 176, 1.3089969389957472},
-	{-2.96705972839, 2.96705972839, 110, 2.2689280275926285},
-	{-2.09439510239, 2.09439510239, 40, 2.356194490192345},
-	{-3.05432619099, 3.05432619099, 40, 2.356194490192345},
-};
+/* iiwa14.urdf: <dynamics damping>, N m s/rad; its limits are tables of the generated header. With --damping the text has this term. */
 static const double DAMPING[N] = {0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5};
 
 /* Where to go, again and again; the third pose asks for more than joint 4 has. */
@@ -64,8 +53,8 @@ static void move_begin(struct move *m, const double from[N])
 	m->time = m->duration = 0;
 	for (int j = 0; j < N; j++) {
 		m->from[j] = from[j];
-		m->to[j] = clamp(POSES[m->next][j], JOINTS[j].lower + MARGIN, JOINTS[j].upper - MARGIN);
-		m->duration = fmax(m->duration, 1.875 * fabs(m->to[j] - m->from[j]) / JOINTS[j].velocity);
+		m->to[j] = clamp(POSES[m->next][j], iiwa14_q_min[j] + MARGIN, iiwa14_q_max[j] - MARGIN);
+		m->duration = fmax(m->duration, 1.875 * fabs(m->to[j] - m->from[j]) / iiwa14_qd_max[j]);
 	}
 	m->duration = fmax(m->duration * 1.05, 0.1); /* a little speed left for the feedback */
 	m->next = (m->next + 1) % POSE_COUNT;
@@ -100,7 +89,7 @@ static int control(const struct state *s, const struct reference *r, double tau[
 	for (int j = 0; j < N; j++) {
 		double wanted = tau[j] + DAMPING[j] * (s->qd[j] + qdd[j] * 0.5 / RATE);
 
-		tau[j] = clamp(wanted, -JOINTS[j].effort, JOINTS[j].effort);
+		tau[j] = clamp(wanted, -iiwa14_tau_max[j], iiwa14_tau_max[j]);
 		limited |= tau[j] != wanted;
 	}
 	return limited;
@@ -110,7 +99,7 @@ static int control(const struct state *s, const struct reference *r, double tau[
 static int outside(const struct state *s)
 {
 	for (int j = 0; j < N; j++)
-		if (!(s->q[j] >= JOINTS[j].lower && s->q[j] <= JOINTS[j].upper))
+		if (!(s->q[j] >= iiwa14_q_min[j] && s->q[j] <= iiwa14_q_max[j]))
 			return j;
 	return -1;
 }
@@ -141,7 +130,7 @@ static size_t loop(struct state *s, size_t ticks)
 		t->seconds = seconds_now() - start;
 		for (int j = 0; j < N; j++) {
 			t->error[j] = r.q[j] - s->q[j];
-			t->effort[j] = t->tau[j] / JOINTS[j].effort;
+			t->effort[j] = t->tau[j] / iiwa14_tau_max[j];
 		}
 		plant_move(s, t->tau, DAMPING, 1.0 / RATE);
 	}
