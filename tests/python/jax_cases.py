@@ -226,6 +226,17 @@ def case_second():
             assert near(hessian, right, 1e-6), options
 
 
+def case_positions():
+    """integrate and difference under jit and derivatives, also where nothing moves."""
+    robot = load("cartpole", base="floating")
+    q, v = (x[0] for x in arrays(robot, 1)[:2])
+    q, v = unit(robot, q), 2 * v / jnp.linalg.norm(v)
+    there = jax.jit(robot.integrate)(q, v)
+    assert near(there, jnp.asarray(robot.integrate(np.asarray(q), np.asarray(v)))) and near(robot.difference(q, there), v)
+    still = jax.jacfwd(lambda v: robot.difference(q, robot.integrate(q, v)))(0 * v)
+    assert near(still, jnp.eye(robot.nv)), still
+
+
 def case_transforms():
     """scan, checkpoint, linearize, linear_transpose and a gradient of a gradient's user; what has no second derivatives says so."""
     robot = load("double_pendulum", want="qdd")

@@ -275,6 +275,20 @@ def case_second():
         assert near(hessian, hessian.T, 1e-11) and near(torch.autograd.functional.hessian(loss, x[0].detach()[0]), hessian, 1e-11), options
 
 
+def case_positions():
+    """integrate and difference have gradients, also where nothing moves."""
+    robot = load("cartpole", base="floating")
+    q, v = tensors(robot, 3)[:2]
+    q[:, 3:7] /= q[:, 3:7].norm(dim=-1, keepdim=True)
+    v = 2 * v / v.norm(dim=-1, keepdim=True)
+    v[0] = 0
+    there = robot.integrate(q, v)
+    assert near(robot.difference(q, there), v) and near(there, torch.from_numpy(robot.integrate(q.cpu().numpy(), v.cpu().numpy())).to(device))
+    x = [q.requires_grad_(), v.requires_grad_()]
+    assert torch.autograd.gradcheck(robot.integrate, x) and torch.autograd.gradcheck(robot.difference, [q, there.detach().requires_grad_()])
+    refused(ValueError, ["v", "(3, 8)"], robot.integrate, q, q)
+
+
 def case_pieces():
     """Tensors in several pieces are copied: of a state that is split, and where a gradient goes back to it."""
     robot = load("iiwa14")

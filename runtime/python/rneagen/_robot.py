@@ -18,7 +18,7 @@ from typing import Any, Callable, Iterable, NamedTuple, Unpack
 
 import numpy
 
-from . import _arrays, _convention, _core, _names, _options, _sparse
+from . import _arrays, _convention, _core, _lie, _names, _options, _sparse
 from ._errors import BackendError, translated
 from ._keywords import Keywords
 
@@ -386,6 +386,21 @@ class Robot(_core.Robot):
             if array.role == "joint_position" and self._conversion:
                 values[-1][..., 3:7] = values[-1][..., [6, 3, 4, 5]]
         return tuple_of("Inputs", tuple(a.name if not keyword.iskeyword(a.name) else a.name + "_" for a in self.inputs))(*values)
+
+    # ---- positions ----
+
+    def integrate(self, q: Any, v: Any) -> Any:
+        """Where q (..., nq) is after a velocity v (..., nv), qd dt for one: q + v, but a floating base moves by a twist of its
+        own frame. Of NumPy, PyTorch, JAX or CuPy; also with gradients."""
+        return _lie.integrate(self, q, v)
+
+    def difference(self, q0: Any, q1: Any) -> Any:
+        """The velocity (..., nv) by which integrate makes q1 of q0; a floating base turns by pi at most."""
+        return _lie.difference(self, q0, q1)
+
+    def neutral(self, dtype: Any = float) -> numpy.ndarray:
+        """q (nq,) of zeros, quaternions of no rotation."""
+        return _lie.neutral(self, dtype)
 
     # ---- by Pinocchio's names ----
     # Each takes what Pinocchio's function takes, also where an output does not read all of it.
