@@ -143,7 +143,9 @@ class Gradients:
     def along_robot(self):
         """The products of what its vjp is of, the other way."""
         if "along" not in self.made:
-            self.made["along"] = self.robot._with(want=None, jvp=self.robot._options["vjp"], vjp=None, by=None, sparse=None)
+            weights = next(a for a in self.robot.inputs if a.role == "cotangent")
+            words = weights.of or ("qdd" if self.is_forward else "tau")
+            self.made["along"] = self.robot._with(want=None, jvp=self.robot._options.get("vjp") or words, vjp=None, by=None, sparse=None)
         return self.made["along"]
 
     def transposed(self, product, vjp, g):
