@@ -167,7 +167,9 @@ struct alignas(64) rneagen_tile_map {
 	unsigned char rest[128 - 40];
 };
 static_assert(sizeof(rneagen_tile_map) == 128, "as long as a CUtensorMap");
+#if !defined RNEA_TILES
 #define RNEA_TILES 1
+#endif
 static unsigned fake_tile_bytes; /* that have not come */
 
 [[maybe_unused]] static void rneagen_tiles_begin(unsigned bytes)

@@ -204,9 +204,10 @@ static void write_source(const struct program *p, const char *path)
 static char *read_file(const char *path, size_t *size)
 {
 	FILE *f = fopen(path, "rb");
-	char *bytes = calloc(1, 1 << 22);
+	long length = f && !fseek(f, 0, SEEK_END) ? ftell(f) : 0;
+	char *bytes = calloc(1, (size_t)(length > 0 ? length : 0) + 1);
 
-	*size = f && bytes ? fread(bytes, 1, (1 << 22) - 1, f) : 0;
+	*size = f && bytes && !fseek(f, 0, SEEK_SET) ? fread(bytes, 1, (size_t)length, f) : 0;
 	if (f)
 		fclose(f);
 	return bytes;
@@ -219,8 +220,11 @@ static int take_option(struct program *p, const char *option, char *command)
 
 	if (strncmp(option, "-D", 2) == 0)
 		snprintf(command + used, COMMAND_LIMIT - used, " '%s'", option);
-	else if (strncmp(option, "--gpu-architecture=", 19) == 0)
+	else if (strncmp(option, "--gpu-architecture=", 19) == 0) {
 		p->is_ptx = option[19] == 'c';
+		if (strchr(option, '_') && atoi(strchr(option, '_') + 1) < 90) /* no engine that moves tiles */
+			snprintf(command + used, COMMAND_LIMIT - used, " -DRNEA_TILES=0");
+	}
 	else if (strcmp(option, "--no-cache") == 0)
 		return 1;
 	else

@@ -150,6 +150,28 @@ START_TEST(test_values)
 }
 END_TEST
 
+/* A device without the engine: the same kernels read and write the arrays themselves. It would catch a kernel that takes tiles for granted. */
+START_TEST(test_older)
+{
+	const struct subject *s = &SUBJECTS[0];
+	struct target broken, whole;
+	struct launch x, y;
+
+	setenv("RNEA_FAKE_CUDA_ARCH", "80", 1);
+	generate(s, s->parts, &broken);
+	generate(s, 1, &whole);
+	break_one(&broken);
+	x = launched_run(open_robot(&broken, NULL), COUNT, SEED, s->floating);
+	y = launched_run(launched_open(&whole, RNEA_BACKEND_HOST, 0), COUNT, SEED, s->floating);
+	ck_assert_double_lt(launched_distance(&x, &y, s->robot), 2e-4);
+	launched_free(&x);
+	launched_free(&y);
+	rneagen_result_free(&broken.text);
+	rneagen_result_free(&whole.text);
+	unsetenv("RNEA_FAKE_CUDA_ARCH");
+}
+END_TEST
+
 /* With wrenches of many links parts have more tiles than a launch passes on: then they have none. It would catch kernels of maps that are
    not there. */
 START_TEST(test_too_many)
@@ -254,6 +276,7 @@ int main(void)
 	launched_pretend();
 	setenv("RNEA_FAKE_PARTS", "1", 1);
 	suite_add(s, "values", test_values, SUBJECT_COUNT, 600);
+	suite_add(s, "older", test_older, 1, 600);
 	suite_add(s, "without", test_without, 2, 120);
 	suite_add(s, "too_many", test_too_many, 1, 120);
 	suite_add(s, "program", test_program, sizeof PROGRAMS / sizeof *PROGRAMS, 120);
