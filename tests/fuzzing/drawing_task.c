@@ -115,8 +115,11 @@ static enum scene_key draw_use(struct drawing *g)
 {
 	if (g->folds_q || g->folds_qd || !dice_happen(g->d, g->product ? 2 : 6))
 		return SCENE_WANT;
-	if (!g->product && drawing_is_new(g, "", "matrix"))
+	if (!g->product && drawing_is_new(g, "", "matrix")) {
 		g->product = dice_happen(g->d, 2) ? SCENE_JVP : SCENE_VJP;
+		if (g->product == SCENE_VJP && dice_happen(g->d, 3))
+			drawing_line(g, SCENE_JVP, "vjp"); /* second derivatives */
+	}
 	return g->product ? g->product : SCENE_WANT;
 }
 
