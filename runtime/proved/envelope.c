@@ -50,7 +50,6 @@ static void judge(struct envelope_row *r)
 
 	r->proved = fmax(fabs(r->low), fabs(r->high)) / limit;
 	r->found = fmax(fabs(r->found_low), fabs(r->found_high)) / limit;
-	r->is_finite = isfinite(r->low) && isfinite(r->high) && isfinite(r->found_low) && isfinite(r->found_high);
 	r->verdict = r->effort == 0 ? ENVELOPE_NO_LIMIT : r->proved <= 1 ? ENVELOPE_KEPT : r->found > 1
 		? ENVELOPE_EXCEEDED : ENVELOPE_OPEN;
 }

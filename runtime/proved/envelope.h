@@ -12,7 +12,6 @@ struct envelope_row {
 	const char *output, *joint, *unit; /* "tau"; "N m" or "N" */
 	int argument, row;
 	double low, high, found_low, found_high;
-	int is_finite; /* all of these */
 	double effort; /* 0: the URDF has no limit */
 	double proved, found; /* the largest magnitudes, over the limit where there is one */
 	enum envelope_verdict verdict;

@@ -72,17 +72,22 @@ static void put_words(const struct envelope_row *r, FILE *f)
 			r->unit, colour);
 }
 
+static int is_finite(const struct envelope_row *r)
+{
+	return isfinite(r->low) && isfinite(r->high) && isfinite(r->found_low) && isfinite(r->found_high);
+}
+
 static void put_joint(const struct sheet *s, int i, FILE *f)
 {
 	const struct envelope_row *r = &s->x->rows[i];
 	double most = fmax(fmax(fabs(r->low), fabs(r->high)), shows_limit(r) ? r->effort : 0);
 
 	put_place(s, i, f);
-	most = r->is_finite && most > 0 ? 1.12 * most : 1;
+	most = is_finite(r) && most > 0 ? 1.12 * most : 1;
 	fprintf(f, "set title '");
 	gnuplot_put_name(f, r->joint);
 	fprintf(f, "' noenhanced font ',11' offset 0,-0.6\nset yrange [%.9g:%.9g]\n", -most, most);
-	if (r->is_finite) {
+	if (is_finite(r)) {
 		put_bar(f, 0.14, 0.86, r->low, r->high, PROVED);
 		put_bar(f, 0.3, 0.7, r->found_low, r->found_high, FOUND);
 		for (int side = -1; side <= 1 && shows_limit(r); side += 2)

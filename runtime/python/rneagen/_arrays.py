@@ -37,12 +37,6 @@ class Array:
         return self.pattern is not None
 
 
-def is_whole(array: dict[str, Any]) -> bool:
-    """Is an entry of _core.Model.arrays() neither a matrix of which only a part is stored, nor a product of its derivative?"""
-    *_, lines, columns = array["pattern"] or (array["rows"], 1)
-    return array["rows"] == lines * columns and array["role"] not in ("jvp", "vjp")
-
-
 def describe(array: dict[str, Any], nv: int, sparse: bool) -> Array:
     """An entry of _core.Model.arrays()."""
     rows, pattern = array["rows"], array["pattern"]
@@ -126,8 +120,9 @@ def lead_of(given: Iterable[tuple[Array, tuple[int, ...]]]) -> tuple[int, ...]:
         own = len(array.shape)
         axes = shape[:len(shape) - own]
         if len(shape) < own or shape[len(shape) - own:] != array.shape or array.per_batch and axes:
+            goes = f"; {(*lead, *array.shape)} goes with {first}" if lead and not array.per_batch else ""
             raise ValueError(f"{array.name}: its shape is {shape}; {array.shape} is wanted" +
-                             (", for all samples" if array.per_batch else ", or axes of samples before it"))
+                             (", for all samples" if array.per_batch else ", or axes of samples before it") + goes)
         if not array.per_batch and lead is None:
             lead, first = axes, array.name
         elif not array.per_batch and axes != lead:

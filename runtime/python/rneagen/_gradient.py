@@ -134,7 +134,7 @@ class Gradients:
 
     def second_robot(self, by: Sequence, apart: tuple[str, ...] = ()):
         """How its vjp varies along a direction."""
-        words = tuple(a.word for a in by if a.role not in PARTS and a.role != "cotangent")
+        words = tuple(a.word for a in by if a.role not in PARTS)
         key = "second", words, apart
         if key not in self.made:
             self.made[key] = self.robot._with(want=None, jvp=["vjp"], by=list(words) or None, sparse=None, **self.freed(apart))
@@ -144,8 +144,8 @@ class Gradients:
         """The products of what its vjp is of, the other way."""
         if "along" not in self.made:
             weights = next(a for a in self.robot.inputs if a.role == "cotangent")
-            words = weights.of or ("qdd" if self.is_forward else "tau")
-            self.made["along"] = self.robot._with(want=None, jvp=self.robot._options.get("vjp") or words, vjp=None, by=None, sparse=None)
+            words = self.robot._options.get("vjp") or weights.of or ("qdd" if self.is_forward else "tau")
+            self.made["along"] = self.robot._with(want=None, jvp=words, vjp=None, by=None, sparse=None)
         return self.made["along"]
 
     def transposed(self, product, vjp, g):
@@ -155,7 +155,8 @@ class Gradients:
             i = joint["iv"]
             c, d, m, n = (x[..., k:k + 3] for x in (g, vjp) for k in (i, i + 3))
             # e_j = (a, b): m . (b x c + a x d) + n . (b x d)
-            pieces += [product[..., at:i], product[..., i:i + 3] + cross(d, m), product[..., i + 3:i + 6] + cross(c, m) + cross(d, n)]
+            pieces += [product[..., at:i], product[..., i:i + 3] + cross(d, m),
+                       product[..., i + 3:i + 6] + cross(c, m) + cross(d, n)]
             at = i + 6
         return self.library.join([*pieces, product[..., at:]]) if pieces else product
 
@@ -179,7 +180,8 @@ class Gradients:
         arrays have. The tangent of a constant of the whole batch may have them too: it is `apart` then."""
         library = self.library
         given = [(a, d) for a, d in zip(self.robot.inputs, tangents) if d is not None]
-        lead = next((tuple(x.shape[:len(x.shape) - len(a.shape)]) for a, x in zip(self.robot.inputs, arrays) if not a.per_batch), ())
+        lead = next((tuple(x.shape[:len(x.shape) - len(a.shape)])
+                     for a, x in zip(self.robot.inputs, arrays) if not a.per_batch), ())
         values = {a.word: x for a, x in zip(self.robot.inputs, arrays)}
         state = [(a, d) for a, d in given if a.role != "cotangent"]
         weights = next((d for a, d in given if a.role == "cotangent"), None)

@@ -1,5 +1,5 @@
-"""How positions move by velocities, and back, for arrays of NumPy, PyTorch, JAX and CuPy. Joints whose q is nothing but coordinates add;
-a floating joint's position p and unit quaternion u move by a twist (a, b) of its own frame, a and b constant along the way,
+"""How positions move by velocities, and back, for arrays of NumPy, PyTorch, JAX and CuPy. Joints whose q is coordinates alone
+add; a floating joint's position p and unit quaternion u move by a twist (a, b) of its own frame, a and b constant along the way,
 
     p' = p + R(u) V a,  u' = u exp(b/2),  V = I + B [b] + C [b]^2,  B = (1 - cos t)/t^2,  C = (t - sin t)/t^3,  t = |b|
 
@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy
 
-from . import _arrays
+from . import _arrays, _names
 
 NEAR = 1e-3  # t^2 below which the series are exact to 1e-15
 
@@ -62,7 +62,8 @@ def moved(xp, cross, q, v):
     C = xp.where(is_near, 1 / 6 - tt / 120 + tt * tt / 5040, (t - xp.sin(t)) / (far * t))
     across = cross(b, a)
     step = a + 2 * half * half * across + C * cross(b, across)
-    return xp.concatenate((q[..., :3] + turned(cross, u, step), unit(xp, product(xp, cross, u, xp.concatenate((half * b, scalar), -1)))), -1)
+    turn = xp.concatenate((half * b, scalar), -1)
+    return xp.concatenate((q[..., :3] + turned(cross, u, step), unit(xp, product(xp, cross, u, turn))), -1)
 
 
 def between(xp, cross, q0, q1):
@@ -100,16 +101,10 @@ def joined(robot, xp, plain, floating):
 
 
 def check(robot, **given: tuple[Any, int]) -> None:
-    """Shapes (..., rows), of the same leading axes; and a convention that has these velocities."""
+    """Arrays (..., rows), of the same leading axes; and a convention that has these velocities."""
     if robot._conversion:
         raise TypeError(f"convention {robot.convention!r}: positions move by velocities of convention 'pinocchio'")
-    lead = None
-    for name, (x, rows) in given.items():
-        _arrays.kind_of(name, x)
-        if not x.shape or x.shape[-1] != rows or lead not in (None, tuple(x.shape[:-1])):
-            raise ValueError(f"{name}: its shape is {tuple(x.shape)}; {(*(lead or ()), rows)} is wanted" + ("" if lead else
-                             ", or axes of samples before it"))
-        lead = tuple(x.shape[:-1])
+    _names.lead_of((name, x, rows) for name, (x, rows) in given.items())
 
 
 def integrate(robot, q, v):

@@ -1,7 +1,7 @@
 """Calls by Pinocchio's names: with all arrays that its function takes, though an output may not read each of them."""
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, Iterable, NamedTuple
 
 import numpy
 
@@ -15,7 +15,8 @@ def call(robot, names: tuple[str, ...], args: tuple, kwargs: dict[str, Any]):
         return robot(*args, **kwargs)
     given = _given(robot, names, args, kwargs)
     unread = {n: given.pop(n) for n in names if n not in read and n in given}
-    lead = _lead(robot, {**{n: given[n] for n in names if given.get(n) is not None}, **unread})
+    looked_at = {**{n: given[n] for n in names if given.get(n) is not None}, **unread}
+    lead = lead_of((n, x, robot.nq if n == "q" else robot.nv) for n, x in looked_at.items())
     result = robot(**given)
     if any(not a.per_batch for a in robot.inputs) or given.get("out") is not None or not unread:
         return result
@@ -41,11 +42,12 @@ class Taken(NamedTuple):
     per_batch: bool = False
 
 
-def _lead(robot, arrays: dict[str, Any]) -> tuple[int, ...]:
-    """The axes of samples, which are the same of all."""
-    for name, x in arrays.items():
+def lead_of(given: Iterable[tuple[str, Any, int]]) -> tuple[int, ...]:
+    """The axes of samples, which are the same of all: of (name, array, rows)."""
+    given = list(given)
+    for name, x, _ in given:
         _arrays.kind_of(name, x)
-    return _arrays.lead_of((Taken(n, (robot.nq if n == "q" else robot.nv,)), tuple(x.shape)) for n, x in arrays.items())
+    return _arrays.lead_of((Taken(name, (rows,)), tuple(x.shape)) for name, x, rows in given)
 
 
 def _spread(robot, result, lead: tuple[int, ...], unread: tuple[str, Any]):

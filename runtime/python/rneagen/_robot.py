@@ -111,13 +111,12 @@ class Robot(_core.Robot):
 
     def __init__(self, urdf: bytes, file: str, options: dict[str, Any]):
         self._urdf, self._file, self._options = urdf, file, dict(options)
-        self._generator = self._generator_options()
+        self._generator = self._generator_options(dense=not self.sparse)
         self._model = translated(_core.Model, urdf, self._generator)
-        if not self.sparse and not all(map(_arrays.is_whole, self._model.arrays())):
-            self._generator = self._generator_options(dense=True)
-            self._model = translated(_core.Model, urdf, self._generator)
         self._facts, self._joints = self._model.facts(), self._model.joints()
         arrays = [_arrays.describe(a, self._facts["nv"], self.sparse) for a in self._model.arrays()]
+        if not any(a.is_matrix or a.role in PRODUCTS for a in arrays):
+            self._generator = self._generator_options(dense=False)  # of the same text, whose head says no more than it needs
         self.inputs = tuple(a for a in arrays if not a.is_output)
         self.outputs = tuple(a for a in arrays if a.is_output)
         self._conversion = None
@@ -135,7 +134,7 @@ class Robot(_core.Robot):
         if "torch" in sys.modules:  # torch.compile sees no call in C, so a robot becomes one in Python
             importlib.import_module("rneagen.torch")
 
-    def _generator_options(self, dense: bool = False) -> dict[str, Any]:
+    def _generator_options(self, dense: bool) -> dict[str, Any]:
         """`dense`: matrices are whole, also those of whose derivatives there are products."""
         options = self._options
         if self.convention not in ("pinocchio", "mujoco"):

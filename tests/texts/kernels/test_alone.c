@@ -121,53 +121,54 @@ static void check_other(const struct subject *s, const struct target *broken, si
 	launched_free(&x);
 }
 
+/* The text whose one kernel is broken, and what its parts' kernels gave: the values of the whole text, compiled as C. */
+static void run_parts(const struct subject *s, struct target *broken, struct launch *x)
+{
+	struct target whole;
+	struct launch y;
+	double worst;
+
+	generate(s, s->parts, broken);
+	generate(s, 1, &whole);
+	break_one(broken);
+	*x = launched_run(open_robot(broken, NULL), COUNT, SEED, s->floating);
+	y = launched_run(launched_open(&whole, RNEA_BACKEND_HOST, 0), COUNT, SEED, s->floating);
+	worst = launched_distance(x, &y, s->robot);
+	printf("%s, %s: within %.1e, seed %d\n", s->robot, s->scene, worst, SEED);
+	ck_assert_double_lt(worst, s->is_double ? 1e-11 : 2e-4);
+	launched_free(&y);
+	rneagen_result_free(&whole.text);
+}
+
 START_TEST(test_values)
 {
 	const struct subject *s = &SUBJECTS[_i];
-	struct target broken, whole;
-	struct launch x, y;
-	double worst;
+	struct target broken;
+	struct launch x;
 
 	if (_i && !exhaustive())
 		return;
-	generate(s, s->parts, &broken);
-	generate(s, 1, &whole);
-	break_one(&broken);
-	x = launched_run(open_robot(&broken, NULL), COUNT, SEED, s->floating);
-	y = launched_run(launched_open(&whole, RNEA_BACKEND_HOST, 0), COUNT, SEED, s->floating);
+	run_parts(s, &broken, &x);
 	ck_assert_uint_eq(x.info->functions->part_kernels, LEAST);
-	worst = launched_distance(&x, &y, s->robot);
-	printf("%s, %s: within %.1e, seed %d\n", s->robot, s->scene, worst, SEED);
-	ck_assert_double_lt(worst, s->is_double ? 1e-11 : 2e-4);
 	if (!x.info->functions->relay_warps && !x.info->functions->hands[0]) { /* a relay's third kernel would solve with what is not there */
 		check_other(s, &broken, LEAST - 1);
 		check_other(s, &broken, COUNT + 1); /* rows begin anywhere */
 	}
 	launched_free(&x);
-	launched_free(&y);
 	rneagen_result_free(&broken.text);
-	rneagen_result_free(&whole.text);
 }
 END_TEST
 
 /* A device without the engine: the same kernels read and write the arrays themselves. It would catch a kernel that takes tiles for granted. */
 START_TEST(test_older)
 {
-	const struct subject *s = &SUBJECTS[0];
-	struct target broken, whole;
-	struct launch x, y;
+	struct target broken;
+	struct launch x;
 
 	setenv("RNEA_FAKE_CUDA_ARCH", "80", 1);
-	generate(s, s->parts, &broken);
-	generate(s, 1, &whole);
-	break_one(&broken);
-	x = launched_run(open_robot(&broken, NULL), COUNT, SEED, s->floating);
-	y = launched_run(launched_open(&whole, RNEA_BACKEND_HOST, 0), COUNT, SEED, s->floating);
-	ck_assert_double_lt(launched_distance(&x, &y, s->robot), 2e-4);
+	run_parts(&SUBJECTS[0], &broken, &x);
 	launched_free(&x);
-	launched_free(&y);
 	rneagen_result_free(&broken.text);
-	rneagen_result_free(&whole.text);
 	unsetenv("RNEA_FAKE_CUDA_ARCH");
 }
 END_TEST
