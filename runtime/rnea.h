@@ -233,6 +233,9 @@ struct rnea_function {
 	unsigned part_arch; /* compute capability from which on they pay, ten times */
 	unsigned part_count, part_block, tile_count;
 	struct rnea_tile tiles[RNEA_TILE_LIMIT];
+	/* Threads that share a sample in its kernel, if RNEA_BLOCK is most_block or less: a block is of sample_threads RNEA_BLOCK threads
+	   then, for RNEA_BLOCK samples; others stop with an error (a trap). 1 of all other kernels, and of hands and parts */
+	unsigned sample_threads, most_block;
 };
 
 /* The parsed table. Every pointer belongs to the robot that it was asked of and is valid until rnea_close. What stands here of
@@ -246,7 +249,7 @@ struct rnea_info {
 	const char *base; /* "fixed" or "floating" */
 	size_t nq, nv;    /* rows of q; rows of qd, qdd and tau */
 	size_t nb;        /* moving bodies: v, a and f of the passes have 6 rows for each */
-	unsigned block;   /* threads per block, 1 to 1024: of the text, or of rnea_options */
+	unsigned block;   /* samples of a block, 1 to 1024: of the text, or of rnea_options; threads too, but see sample_threads */
 	const struct rnea_argument *arguments; /* the inputs, then the outputs */
 	size_t input_count, output_count;
 	const struct rnea_joint *joints; /* joint_count of them, in the order of q; may be none */

@@ -98,6 +98,16 @@ static inline const struct each *emit_loops(const struct emission *e)
 	return e->part_count && e->parts->function.each ? e->parts->function.each->loops : NULL;
 }
 
+/* Samples of a block up to which each limb has threads of its own; 0: all are turns of a loop. A launch's factor for its threads, or nothing. */
+static inline int emit_each_block(const struct emission *e)
+{
+	return emit_loops(e) ? emit_loops(e)->most_block : 0;
+}
+static inline const char *emit_each_threads(const struct emission *e)
+{
+	return emit_each_block(e) ? "*RNEA_SAMPLE_THREADS" : "";
+}
+
 /* Of the nodes that are wide; NULL: there are none. */
 static inline const struct number_type *emit_wide(const struct emission *e)
 {

@@ -2,9 +2,7 @@
 #include "base/number.h"
 #include "base/template.h"
 #include "emit/emit.h"
-#include "emit/kernels/emit_alone.h"
-#include "emit/kernels/emit_limbs.h"
-#include "emit/kernels/emit_tiles.h"
+#include "emit/kernels/emit_kernel.h"
 #include "tree/pattern.h"
 #include <string.h>
 
@@ -255,40 +253,6 @@ static void put_conventions(const struct emission *e, struct text *out)
 	emit_legend(e, out);
 }
 
-static void put_relay(const struct emission *e, struct text *out)
-{
-	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
-
-	text_printf(out, " * %s_%s_launch runs three kernels: %s_%s_start_kernel finds qdd,\n"
-		" * %s_%s_kernel leaves -d tau where the gradients belong,\n"
-		" * %s_%s_solve_kernel makes them of it by the factors of M; for 32 samples a block, warps: %d.\n",
-		name, function, name, function, name, function, name, function, e->relay->warps);
-	if (e->relay->start_count)
-		text_printf(out, " * The grid of the first has %d blocks along y, each for limbs that share nothing with the others.\n",
-			e->relay->start_count);
-}
-
-static void put_hands(const struct emission *e, struct text *out)
-{
-	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
-	int levels = emit_hand_levels(e);
-
-	text_printf(out, " * %s_%s_launch runs %s kernels. %s_%s_hands_kernel, with %d blocks along y, writes the torques of hands,\n"
-		" * and into rows of the arms what the hands hand on; %s_%s_kernel reads that, and writes all other rows.\n",
-		name, function, levels > 1 ? emit_int(e, levels + 1) : "two", name, function, emit_hands_of(e, 0), name, function);
-	for (int level = 1; level < levels; level++)
-		text_printf(out, " * After the first, %s_%s_%s does so, with %d along y, for ends of long arms.\n", name, function,
-			emit_hands_kernel(e, level), emit_hands_of(e, level));
-}
-
-static void put_limbs(const struct emission *e, const char *start, const struct limbs *s, struct text *out)
-{
-	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
-
-	text_printf(out, " * Up to %u samples %s_%s_launch takes the kernel %s_%s_%slimbs, whose %d warps share out each sample.\n",
-		s->most, name, function, name, function, start, s->warps);
-}
-
 static const char *looped(const struct function *p, const char *columns)
 {
 	return !dag_loops_go_back(&p->dag) ? columns
@@ -340,32 +304,6 @@ static void put_cuts(const struct emission *e, struct text *out)
 			emit_has_batches(e) ? "a batch" : "a text without");
 }
 
-/* How kernels are. */
-static void put_kernels(const struct emission *e, struct text *out)
-{
-	if (e->relay)
-		put_relay(e, out);
-	if (emit_hands(e))
-		put_hands(e, out);
-	if (e->part_count - emit_hands(e) > 1)
-		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for %s.\n", emit_main(e)->algorithm->name,
-			e->part_count - emit_hands(e), emit_is_apart(e) ? "limbs that share nothing with the others" : "the elements of some joints");
-	if (emit_alone_least(e))
-		text_printf(out, " * From %d samples on %s_%s_launch takes %s_%s_part0_kernel and so on, one for each part, instead%s.\n",
-			emit_alone_least(e), e->options->name, emit_main(e)->algorithm->name, e->options->name, emit_main(e)->algorithm->name,
-			emit_has_tiles(e) ? ", where\n * the rows of all arrays begin at multiples of 16 bytes" : "");
-	if (emit_joints_again(e))
-		text_printf(out, " * The %s kernel makes some motion again, by stretches of at most %d joints, instead of keeping it.\n",
-			emit_main(e)->algorithm->name, emit_joints_again(e));
-	if (emit_loops(e))
-		text_printf(out, " * The %s kernel goes over limbs that are alike in loops, %d of them. Its last bits may not be those of the "
-			"same\n * function of target c.\n", emit_main(e)->algorithm->name, emit_loops(e)->count);
-	if (emit_has_limbs(e))
-		put_limbs(e, "", emit_limbs_of(e), out);
-	if (emit_start_limbs(e))
-		put_limbs(e, "start_", emit_start_limbs(e), out);
-}
-
 const char *emit_banner(const struct emission *e)
 {
 	const struct algorithm *x = emit_main(e)->algorithm;
@@ -385,7 +323,7 @@ const char *emit_banner(const struct emission *e)
 		e->tree->body_count);
 	put_counts(e, out);
 	put_cuts(e, out);
-	put_kernels(e, out);
+	emit_kernels_head(e, out);
 	put_joints(e, out);
 	text_put(out, e->told ? e->told : "");
 	put_conventions(e, out);

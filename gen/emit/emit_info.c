@@ -75,6 +75,8 @@ static void put_function(const struct emission *e, const struct function *p, str
 		text_printf(out, "stage %d\n", emit_stage_bytes(e));
 	if (is_main && e->part_count - emit_hands(e) > 1)
 		text_printf(out, "parts %d\n", e->part_count - emit_hands(e));
+	if (is_main && emit_each_block(e))
+		text_printf(out, "threads %d %d\n", emit_loops(e)->limbs, emit_each_block(e));
 	if (is_main && emit_alone_least(e))
 		text_printf(out, "part_kernels %d %d %d %d\n", emit_alone_least(e), emit_part_places(e), emit_alone_block(e),
 			emit_serves_untiled(e) ? 0 : TILES_ARCH);
@@ -96,12 +98,14 @@ static void put_function(const struct emission *e, const struct function *p, str
 		put_limbs(e, "start_limbs", emit_start_limbs(e), out);
 }
 
-/* What knows no relays, no hands, no parts of a relay's first kernel, or no more than one kernel for hands, is not to launch some of
-   the kernels alone, or a part. */
-enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS, VERSION_STARTS, VERSION_LEVELS };
+/* What knows no relays, no hands, no parts of a relay's first kernel, no more than one kernel for hands, or no threads of a sample, is not
+   to launch some of the kernels alone, a part, or half of the threads. */
+enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS, VERSION_STARTS, VERSION_LEVELS, VERSION_THREADS };
 
 static int version_of(const struct emission *e)
 {
+	if (emit_each_block(e))
+		return VERSION_THREADS;
 	if (e->relay)
 		return e->relay->start_count ? VERSION_STARTS : VERSION_RELAY;
 	if (emit_hand_levels(e) > 1)

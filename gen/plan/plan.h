@@ -85,6 +85,8 @@ struct each {
 	int number_count;                  /* constants that are not the same in all limbs, in a table */
 	const int *number;                 /* of the table: which of the DAG's lanes it is */
 	const int *place;                  /* of the DAG's lanes: where it stands, from 1; less than 0: its negation does */
+	int is_apart;                      /* no loop takes what another one has left */
+	int most_block; /* where each limb has threads of its own in a kernel, in blocks of so many samples at most; 0: it has none */
 };
 
 /* One generated function on its way to text. */

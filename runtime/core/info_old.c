@@ -66,7 +66,8 @@ void info_old_complete(struct rnea_info *info, struct rnea_function *functions, 
 			continue;
 		*f = (struct rnea_function){
 			.name = names[i], .arguments = arguments + used, .operations = info->operations, .parts = 1,
-				.most_samples = 1};
+				.most_samples = 1,
+				.sample_threads = 1};
 		(i == 1 ? make_fpass : make_bpass)(info, f, arguments + used);
 		used += f->input_count + f->output_count;
 		info->function_count++;

@@ -1,12 +1,15 @@
 #ifndef RNEA_INFO_PARSER_H
 #define RNEA_INFO_PARSER_H
-/* The info table while it is read; info_array.c has the lines about arrays, info_table.c all others. */
+/* The info table while it is read; info_array.c has the lines about arrays, info_kernels.c those
+   about launches, info_table.c all others. */
 
 #include "core/info_table.h"
 #include "core/words.h"
 
-/* Who knows nothing of parts, of functions, of relays, or of hands must not launch a text that has them: each was a version more. */
+/* Who knows nothing of parts, of functions, of relays, of hands, or of threads of a sample must not launch a text that has them: each was a
+   version more. */
 enum { VERSION = 1, VERSION_PARTS = 2, VERSION_FUNCTIONS = 3, VERSION_RELAY = 4, VERSION_HANDS = 5, VERSION_STARTS = 6, VERSION_LEVELS = 7,
+	VERSION_THREADS = 8, VERSION_LAST = VERSION_THREADS,
 	BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535,
 	STAGE_LIMIT = 48 << 10, SAMPLES_LIMIT = 32, LIMBS_LIMIT = 16, GROUPS_LIMIT = 4, RELAY_LIMIT = 32,
 	PART_BLOCK_LIMIT = 256, ARCH_LIMIT = 999, TILE_ROWS_LIMIT = 256, GIVEN_LIMIT = 227 << 10, ROOM_LIMIT = 1 << 16 };
@@ -36,6 +39,7 @@ enum key {
 	KEY_HANDS,
 	KEY_PART_KERNELS,
 	KEY_TILES,
+	KEY_THREADS,
 	KEY_COUNT
 };
 
@@ -67,6 +71,14 @@ enum rnea_code info_row(struct parser *p);
 
 /* Of a line `tiles`: an argument and a number of rows for each, to its end. */
 enum rnea_code info_tiles(struct parser *p);
+
+/* How kernels are launched (info_kernels.c). `parts`: of the limbs' kernel along y of its grid; 0: as many as the function has, which may
+   be told later. Of hands a number for each kernel, to the end of the line. */
+enum rnea_code info_limbs(struct parser *p, struct rnea_limbs *l, unsigned parts);
+enum rnea_code info_hands(struct parser *p);
+enum rnea_code info_part_kernels(struct parser *p);
+enum rnea_code info_relay(struct parser *p);
+enum rnea_code info_threads(struct parser *p);
 
 /* How many elements of the matrix have been read. */
 size_t info_stored(const struct parser *p, const struct rnea_matrix *m);

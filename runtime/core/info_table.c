@@ -6,7 +6,7 @@
 
 static const char *const keys[KEY_COUNT] = {"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv",
 	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs", "relay", "start_limbs", "start_parts",
-	"whole_limbs", "hands", "part_kernels", "tiles"};
+	"whole_limbs", "hands", "part_kernels", "tiles", "threads"};
 
 static enum rnea_code read_joint(struct parser *p)
 {
@@ -45,46 +45,6 @@ static enum rnea_code read_kernels(struct parser *p)
 		p->kernels |= info_old_bit(name);
 	} while (p->w.line);
 	return RNEA_OK;
-}
-
-/* `parts`: along y of its grid; 0: as many as the function has, which may be told later. */
-static enum rnea_code read_limbs(struct parser *p, struct rnea_limbs *l, unsigned parts)
-{
-	l->parts = parts;
-	if (info_count(p, &l->warps, 2, LIMBS_LIMIT) || info_count(p, &l->groups, 1, GROUPS_LIMIT) ||
-		words_number(&p->w, &l->bytes, 0, GIVEN_LIMIT / l->groups))
-		return p->w.error->code;
-	return words_number(&p->w, &l->most, 1, SIZE_MAX / 2);
-}
-
-/* A number for each kernel of hands, to the end of the line. */
-static enum rnea_code read_hands(struct parser *p)
-{
-	int kernel = 0, most = p->version < VERSION_LEVELS ? 1 : RNEA_HANDS_LIMIT;
-
-	while (!info_count(p, &p->f->hands[kernel], 1, PARTS_LIMIT) && p->w.line && ++kernel < most)
-		;
-	return p->w.error->code;
-}
-
-static enum rnea_code read_part_kernels(struct parser *p)
-{
-	struct rnea_function *f = p->f;
-
-	if (words_number(&p->w, &f->part_kernels, 1, SIZE_MAX / 2) || info_count(p, &f->part_count, 1, PARTS_LIMIT))
-		return p->w.error->code;
-	if (info_count(p, &f->part_block, 1, PART_BLOCK_LIMIT))
-		return p->w.error->code;
-	return info_count(p, &f->part_arch, 0, ARCH_LIMIT);
-}
-
-static enum rnea_code read_relay(struct parser *p)
-{
-	struct rnea_function *f = p->f;
-
-	if (words_number(&p->w, &f->relay_bytes, 1, GIVEN_LIMIT) || info_count(p, &f->relay_warps, 1, RELAY_LIMIT))
-		return p->w.error->code;
-	return info_count(p, &f->relay_room, 1, ROOM_LIMIT);
 }
 
 static enum rnea_code read_value(struct parser *p, enum key key)
@@ -127,21 +87,23 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 		words_number(&p->w, &p->f->across_bytes, 1, SIZE_MAX / 2048);
 		return info_count(p, &p->f->most_samples, 1, SAMPLES_LIMIT);
 	case KEY_LIMBS:
-		return read_limbs(p, &p->f->limbs, 0);
+		return info_limbs(p, &p->f->limbs, 0);
 	case KEY_START_LIMBS:
-		return read_limbs(p, &p->f->start_limbs, 1);
+		return info_limbs(p, &p->f->start_limbs, 1);
 	case KEY_START_PARTS:
 		return info_count(p, &p->f->start_parts, 2, PARTS_LIMIT);
 	case KEY_WHOLE_LIMBS:
-		return read_limbs(p, &p->f->limbs, 1);
+		return info_limbs(p, &p->f->limbs, 1);
 	case KEY_HANDS:
-		return read_hands(p);
+		return info_hands(p);
 	case KEY_PART_KERNELS:
-		return read_part_kernels(p);
+		return info_part_kernels(p);
 	case KEY_TILES:
 		return info_tiles(p);
+	case KEY_THREADS:
+		return info_threads(p);
 	case KEY_RELAY:
-		return read_relay(p);
+		return info_relay(p);
 	case KEY_COUNT:
 		break;
 	}
@@ -153,7 +115,7 @@ static int is_optional(const struct parser *p, enum key key)
 {
 	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS || key == KEY_RELAY ||
 	       key == KEY_START_LIMBS || key == KEY_START_PARTS || key == KEY_WHOLE_LIMBS || key == KEY_HANDS || key == KEY_KERNELS ||
-	       key == KEY_PART_KERNELS || key == KEY_TILES || (key == KEY_PARTS && p->version != VERSION_PARTS);
+	       key == KEY_PART_KERNELS || key == KEY_TILES || key == KEY_THREADS || (key == KEY_PARTS && p->version != VERSION_PARTS);
 }
 
 /* Whether a key that has to be there is. */
@@ -194,6 +156,7 @@ static void begin_function(struct parser *p, const char *name)
 		.parts = 1,
 		.start_parts = 1,
 		.most_samples = 1,
+		.sample_threads = 1,
 		.arguments = p->arguments + p->argument_count,
 		.matrices = p->matrices + p->matrix_count};
 	for (int i = KEY_OPERATIONS; i < KEY_COUNT; i++)
@@ -248,10 +211,10 @@ static enum rnea_code read_version(struct parser *p)
 			"info table: it does not start with \"rneagen-info\" and a version");
 	if (words_number(&p->w, &p->version, 0, SIZE_MAX) || words_end(&p->w))
 		return p->w.error->code;
-	if (p->version < VERSION || p->version > VERSION_LEVELS)
+	if (p->version < VERSION || p->version > VERSION_LAST)
 		return rnea_error_set(p->w.error, RNEA_TABLE,
 			"info table: it has version %zu, and this library reads versions %d to %d", p->version, VERSION,
-			VERSION_LEVELS);
+			VERSION_LAST);
 	if (p->version < VERSION_FUNCTIONS)
 		begin_function(p, "rnea");
 	p->info->version = (unsigned)p->version;

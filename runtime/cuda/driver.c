@@ -32,16 +32,22 @@ static enum rnea_code read_table(
 	return e->code;
 }
 
-/* The kernel of the table's first function, by which compilations are judged, in blocks of `block` threads, 0: as the table
-   has it. */
+unsigned driver_threads(const struct rnea_function *f, unsigned block)
+{
+	return block <= f->most_block ? block * f->sample_threads : block;
+}
+
+/* The kernel of the table's first function, by which compilations are judged, for blocks of `block` samples, 0: as the table
+   has it; and the threads of these. */
 static enum rnea_code find_first(const struct device *d, void *module, const struct source *s, unsigned block,
-	struct device_kernel *k, struct rnea_error *e)
+	struct device_kernel *k, unsigned *threads, struct rnea_error *e)
 {
 	struct rnea_info info;
 
 	if (read_table(d, module, s, &info, e))
 		return e->code;
 	source_symbol(s->name, info.functions->name, "kernel", k->name);
+	*threads = driver_threads(info.functions, block);
 	if (!device_find(d, module, k, info.stage_bytes * (block ? block : info.block), e) && !k->function)
 		rnea_error_set(e, RNEA_TEXT, "the text defines no kernel %s", k->name);
 	rnea_info_free(&info);
@@ -63,10 +69,11 @@ static enum rnea_code judge(const struct driver *c, const struct image_request *
 	struct compilation *made, struct rnea_error *e)
 {
 	struct device_kernel k;
+	unsigned threads = 0;
 	int blocks = 0;
 
-	if (find_first(&c->device, module, r->source, i->block, &k, e) ||
-		(i->block && device_resident(&c->device, &k, i->block, &blocks, e)))
+	if (find_first(&c->device, module, r->source, i->block, &k, &threads, e) ||
+		(i->block && device_resident(&c->device, &k, threads, &blocks, e)))
 		return e->code;
 	*made = (struct compilation){.block = i->block,
 		.min_blocks = i->min_blocks,
@@ -216,12 +223,12 @@ static enum rnea_code read_info(struct driver *c, const struct source *s, struct
 	return e->code;
 }
 
-static enum rnea_code check_block(const struct driver *c, const struct device_kernel *k, struct rnea_error *e)
+static enum rnea_code check_block(const struct device_kernel *k, unsigned threads, struct rnea_error *e)
 {
-	if (k->resources.max_block >= c->block)
+	if (k->resources.max_block >= threads)
 		return RNEA_OK;
 	return rnea_error_set(e, RNEA_ARGUMENT, "%s cannot run in blocks of %u threads: its %d registers allow %u",
-		k->name, c->block, k->resources.registers, k->resources.max_block);
+		k->name, threads, k->resources.registers, k->resources.max_block);
 }
 
 /* Only what the table names, where it names any: a call of the driver that fails is an error to tools that watch them. */
@@ -235,7 +242,7 @@ static enum rnea_code find_kernels(
 		source_symbol(s->name, f->name, "kernel", k->name);
 		if (device_find(&c->device, c->module, k, f->stage_bytes * c->block, e))
 			return e->code;
-		if (k->function && check_block(c, k, e))
+		if (k->function && check_block(k, driver_threads(f, c->block), e))
 			return e->code;
 		if (k->function)
 			i++;
@@ -244,10 +251,10 @@ static enum rnea_code find_kernels(
 				k->name, s->name);
 	}
 	if (relay_find(&c->relay, &c->device, c->module, s, info->functions, c->block, e) ||
-		(c->relay.warps && check_block(c, &c->relay.start, e)))
+		(c->relay.warps && check_block(&c->relay.start, c->block, e)))
 		return e->code;
 	for (unsigned i = 0; i < c->relay.hand_kernels && !e->code; i++)
-		check_block(c, &c->relay.hands[i], e);
+		check_block(&c->relay.hands[i], c->block, e);
 	return e->code;
 }
 
@@ -264,7 +271,7 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 	if (device_stream(&c->device, &stream, e))
 		return e->code;
 	for (size_t i = 0; i < c->info->function_count && !e->code; i++)
-		device_launch(&c->device, &c->kernels[i], 1, 1, c->block, parameters, stream, e);
+		device_launch(&c->device, &c->kernels[i], 1, 1, driver_threads(&c->info->functions[i], c->block), parameters, stream, e);
 	if (c->relay.warps && !e->code && !device_launch(&c->device, &c->relay.start, 1, 1, c->block, parameters, stream, e))
 		relay_solve(&c->relay, &c->device, parameters, 0, stream, e);
 	for (unsigned i = 0; i < c->relay.hand_kernels && !e->code; i++)

@@ -27,6 +27,9 @@ enum rnea_code driver_open(
 	struct driver *c, int ordinal, const struct image_request *r, struct rnea_info *info, struct rnea_error *e);
 void driver_close(struct driver *c);
 
+/* Threads of a block of a function's kernel that takes `block` samples. */
+unsigned driver_threads(const struct rnea_function *f, unsigned block);
+
 /* Enqueue a function of the info over `count` samples, at least one; `arrays` holds its device pointers. Errors: DRIVER,
    CONTEXT. */
 enum rnea_code driver_launch(const struct driver *c, size_t function, void *const *arrays, size_t count, void *stream,

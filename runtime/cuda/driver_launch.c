@@ -27,7 +27,7 @@ static enum rnea_code launch_own(const struct driver *c, size_t function, void *
 		return alone_launch(&c->alone, &c->device, parameters, count, stream, e);
 	if (function == 0 && relay_hands(&c->relay, &c->device, f, blocks, c->block, parameters, stream, e))
 		return e->code;
-	return device_launch(&c->device, &c->kernels[function], blocks, f->parts, c->block, parameters, stream, e);
+	return device_launch(&c->device, &c->kernels[function], blocks, f->parts, driver_threads(f, c->block), parameters, stream, e);
 }
 
 /* A relay's first kernel. */

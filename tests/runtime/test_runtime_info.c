@@ -107,7 +107,7 @@ END_TEST
 #define SECOND                                                                                                         \
 	"function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts " \
 	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nstart_parts 2\nhands 3\n"                               \
-	"part_kernels 16896 5 64 90\ntiles 0 7 1 2\n"                                                                         \
+	"part_kernels 16896 5 64 90\ntiles 0 7 1 2\nthreads 2 96\n"                                                           \
 	"operations 1 2 3 4 5 6\n"
 
 /* Since version 7 each kernel of hands has a number. */
@@ -150,6 +150,7 @@ START_TEST(reads_functions)
 	ck_assert(f[0].start_parts == 1 && f[1].start_parts == 2 && f[0].part_kernels == 0 && f[1].part_kernels == 16896);
 	ck_assert(f[1].part_count == 5 && f[1].part_block == 64 && f[1].part_arch == 90 && f[0].tile_count == 0 && f[1].tile_count == 2);
 	ck_assert(f[1].tiles[0].argument == 0 && f[1].tiles[0].rows == 7 && f[1].tiles[1].argument == 1 && f[1].tiles[1].rows == 2);
+	ck_assert(f[0].sample_threads == 1 && f[0].most_block == 0 && f[1].sample_threads == 2 && f[1].most_block == 96);
 	ck_assert(f[1].stage_bytes == 72 && f[1].parts == 2 && f[1].operations.sincos == 6 && f[1].matrix_count == 0);
 	rnea_info_free(&i);
 }
@@ -219,8 +220,8 @@ static const struct damage {
 	{"rneagen-info\n", "line 1: a number is missing"},
 	{"rneagen-info one\n", "line 1: not a number: \"one\""},
 	{"rneagen-info 1 2\n", "line 1: more than expected: \"2\""},
-	{"rneagen-info 0\n", "it has version 0, and this library reads versions 1 to 7"},
-	{"rneagen-info 8\n", "it has version 8, and this library reads versions 1 to 7"},
+	{"rneagen-info 0\n", "it has version 0, and this library reads versions 1 to 8"},
+	{"rneagen-info 9\n", "it has version 9, and this library reads versions 1 to 8"},
 	{THREE, "it lists no functions"},
 	{"rneagen-info 3\nfunction\n", "line 2: a word is missing"},
 	{"rneagen-info 3\nfunction a b\n", "line 2: more than expected: \"b\""},
@@ -285,6 +286,9 @@ static const struct damage {
 	{"rneagen-info 3\nfunction f\npart_kernels 0 1 64 0\n", "line 3: the number is out of range"},
 	{"rneagen-info 3\nfunction f\npart_kernels 16896 1 64\n", "line 3: a number is missing"},
 	{"rneagen-info 3\nfunction f\npart_kernels 16896 1 512 0\n", "line 3: the number is out of range"},
+	{"rneagen-info 8\nfunction f\nthreads 1 32\n", "line 3: the number is out of range"},
+	{"rneagen-info 8\nfunction f\nthreads 2 513\n", "line 3: the number is out of range"}, /* blocks have 1024 threads at most */
+	{"rneagen-info 8\nfunction f\nthreads 2\n", "line 3: a number is missing"},
 	{"rneagen-info 3\nfunction f\ntiles 0 7\n", "line 3: tiles come after the arrays"},
 	{"rneagen-info 3\nfunction f\noutput tau 7 f64 sample joint_torque\ntiles 1 7\n", "line 4: the number is out of range"},
 	{"rneagen-info 3\nfunction f\noutput tau 7 f64 sample joint_torque\ntiles 0 7 0\n", "line 4: a number is missing"},

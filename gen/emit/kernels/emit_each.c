@@ -1,6 +1,7 @@
 /* Loops over alike limbs (plan/lanes/each.h): the lines of one limb stand there once. */
 #include "base/fold.h"
 #include "base/template.h"
+#include "emit/kernels/emit_blocks.h"
 #include "emit/unparse.h"
 #include "plan/lanes/each.h"
 #include <stdlib.h>
@@ -29,10 +30,11 @@ static const char *first_text(const struct emission *e)
 
 void emit_each_numbers(const struct emission *e, const struct function *p, struct text *out)
 {
-	const struct slot first[] = {{"FIRST", first_text(e)}};
+	const struct slot first[] = {{"FIRST", first_text(e)}, {"BLOCK", emit_int(e, emit_block_size(e))},
+		{"MOST", emit_int(e, p->loops->most_block)}, {"LIMBS", emit_int(e, p->loops->limbs)}};
 	struct text rows;
 
-	template_expand(out, template_each_in, first, 1);
+	template_expand(out, p->loops->most_block ? template_each_threads_in : template_each_in, first, sizeof first / sizeof *first);
 	if (!p->loops->number_count)
 		return;
 	text_init(&rows, e->arena);
@@ -157,8 +159,83 @@ static void put_begin(const struct unparser *u, const struct plan *p, size_t lin
 
 	put_comment(u, loop, out);
 	put_leaving(u, p, line, end, out);
-	text_printf(out, "\tRNEA_EACH_LIMB\n\tfor (unsigned each = RNEA_EACH_FIRST; each < %d; each++) {\n", u->function->loops->limbs);
+	text_printf(out, "\tRNEA_EACH_LIMB\n\tfor (unsigned each = RNEA_EACH_FIRST; each < %s; each++) {\n",
+		u->function->loops->most_block ? "RNEA_EACH_END" : emit_int(u->emission, u->function->loops->limbs));
 	put_pointers(u, p, line, end, loop, out);
+}
+
+/* ---- where limbs have threads of their own ---- */
+
+typedef void put_number(const char *name, int place, struct text *out);
+
+static void put_store(const char *name, int place, struct text *out)
+{
+	text_printf(out, "\t\tleft[%d*RNEA_BLOCK] = %s;\n", place, name);
+}
+
+static void put_load(const char *name, int place, struct text *out)
+{
+	text_printf(out, "\t%s = left[%d*RNEA_BLOCK];\n", name, place);
+}
+
+/* What a limb leaves, from a place on. Returns the place after it. */
+static int put_numbers_left(const struct plan *p, int limb, int place, put_number *put, struct text *out)
+{
+	for (size_t i = 0; i < p->line_count; i++)
+		if (p->lines[i].kind == LINE_VALUE && p->dag->nodes[p->lines[i].value.i].op == OP_LANE0 + (unsigned)limb)
+			put(p->names[p->lines[i].value.i], place++, out);
+	return place;
+}
+
+static const char *stores_text(const struct unparser *u, const struct plan *p)
+{
+	struct text t;
+
+	text_init(&t, u->emission->arena);
+	for (int limb = 1, place = 0; limb < u->function->loops->limbs; limb++) {
+		text_printf(&t, "\tif (threadIdx.x/RNEA_BLOCK == %d) {\n", limb);
+		place = put_numbers_left(p, limb, place, put_store, &t);
+		text_put(&t, "\t}\n");
+	}
+	return text_string(&t);
+}
+
+static const char *loads_text(const struct unparser *u, const struct plan *p)
+{
+	struct text t;
+
+	text_init(&t, u->emission->arena);
+	for (int limb = 1, place = 0; limb < u->function->loops->limbs; limb++)
+		place = put_numbers_left(p, limb, place, put_load, &t);
+	return text_string(&t);
+}
+
+static int count_left(const struct function *p)
+{
+	int count = 0;
+
+	for (int limb = 1; limb < p->loops->limbs; limb++)
+		count += each_leaving(p, limb);
+	return count;
+}
+
+/* After the last loop the first limb's threads go on alone. */
+static void put_meeting(const struct unparser *u, const struct plan *p, struct text *out)
+{
+	const struct emission *e = u->emission;
+	int left = count_left(u->function);
+	const struct slot slots[] = {{"T", u->numbers->value}, {"COUNT", emit_int(e, left)}, {"STORES", stores_text(u, p)},
+		{"LOADS", loads_text(u, p)}, {"RETURN", emit_has_known(e) ? "return all_small" : "return"}};
+
+	template_expand(out, left ? template_each_meet_in : template_each_wait_in, slots, sizeof slots / sizeof *slots);
+}
+
+static int is_last(const struct unparser *u, const struct plan *p, size_t line)
+{
+	for (; line < p->line_count; line++)
+		if (loop_at(u, p, line))
+			return 0;
+	return 1;
 }
 
 void emit_each_before(struct unparser *u, const struct plan *lines, size_t line, struct text *out)
@@ -168,8 +245,11 @@ void emit_each_before(struct unparser *u, const struct plan *lines, size_t line,
 	if (!u->function->loops)
 		return;
 	next = loop_at(u, lines, next_line(lines, line));
-	if (u->loop && next != u->loop)
+	if (u->loop && next != u->loop) {
 		text_put(out, "\t}\n");
+		if (u->function->loops->most_block && is_last(u, lines, line))
+			put_meeting(u, lines, out);
+	}
 	if (next && next != u->loop)
 		put_begin(u, lines, line, next, out);
 	u->loop = next;

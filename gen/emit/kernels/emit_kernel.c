@@ -134,13 +134,18 @@ static const char *zeros_text(const struct emission *e, const struct function *p
 static void put_work(const struct emission *e, const struct work *w, struct text *out)
 {
 	const struct slices s = emit_slices(e, w->part ? w->part->function.stretches : NULL, "RNEA_BLOCK");
+	int has_threads = emit_each_block(e) > 0;
 	const struct slot slots[] = {
 		{"HEAD", head_text(e, w)}, {"NAME", e->options->name}, {"FUNCTION", w->function->algorithm->name}, {"T", e->memory->type},
 		{"SPILL", emit_spill(e)}, {"ZEROS", zeros_text(e, w->function)},
 		{"CALL", kernel_call(e, w, &s)}, {"PREFETCH", prefetch_text(e, w->function)},
 		{"DECLARATION", w->part ? "" : emit_slices_declaration(e)},
 		{"SLICES", s.slices}, {"POINTERS", s.pointers}, {"MOVE_IN", s.move_in}, {"MOVE_OUT", s.move_out}, {"JOIN", s.join},
-		{"IN_PLACE", in_place_text(e, w->part)},
+		{"IN_PLACE", in_place_text(e, w->part)}, {"BLOCK", has_threads ? "RNEA_BLOCK" : "blockDim.x"},
+		{"SAMPLE", has_threads ? ", sample = threadIdx.x%RNEA_BLOCK" : ""},
+		/* threads that wait for each other run without a sample too */
+		{"RUNS", has_threads ? "RNEA_SAMPLE_THREADS > 1 ? samples > 0 : sample < samples" : "threadIdx.x < samples"},
+		{"OWN", has_threads ? "(sample < samples ? sample : samples - 1)" : "threadIdx.x"},
 	};
 	const struct kernel_frames *f = e->target->kernel;
 
@@ -177,6 +182,16 @@ struct apart {
 	const char *function, *kernel, *what, *bounds;
 };
 
+/* When a launch would leave rows as they were. */
+static const char *wrong_text(const struct emission *e, int parts)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, emit_each_block(e) ? "(gridDim.y != %d || blockDim.x != RNEA_BLOCK*RNEA_SAMPLE_THREADS)" : "gridDim.y != %d", parts);
+	return text_string(&t);
+}
+
 /* A function for each of the parts, and the kernel that calls them. */
 static void put_apart(const struct emission *e, const struct apart *x, struct text *out)
 {
@@ -196,7 +211,8 @@ static void put_apart(const struct emission *e, const struct apart *x, struct te
 	const struct slot slots[] = {{"NAME", name}, {"FUNCTION", x->function}, {"KERNEL", x->kernel}, {"WHAT", x->what},
 		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"BOUNDS", x->bounds},
 		{"DECLARATION", x->is_staged ? emit_slices_declaration(e) : ""}, {"COUNT", emit_int(e, x->count)},
-		{"CASES", text_string(&cases)}};
+		{"CASES", text_string(&cases)}, {"THREADS", emit_each_threads(e)},
+		{"WRONG", wrong_text(e, x->count)}};
 
 	template_expand(out, e->target->kernel->apart, slots, sizeof slots / sizeof *slots);
 }
@@ -309,7 +325,7 @@ static void put_stage_aos(const struct emission *e, const struct slot *slots, si
 	if (emit_moves_some(e))
 		template_expand(out, f->stage_rows_aos, slots, count);
 	if (emit_is_joined(e))
-		template_expand(out, f->stage_join, slots, count);
+		template_expand(out, emit_each_block(e) ? f->stage_join_threads : f->stage_join, slots, count);
 }
 
 const char *emit_stage(const struct emission *e)

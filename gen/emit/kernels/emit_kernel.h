@@ -11,6 +11,9 @@ const char *emit_spill(const struct emission *e);
 void emit_windowed(const struct emission *e, const struct function *p, struct text *out);
 void emit_put_windows(const struct emission *e, struct text *out);
 
+/* How kernels are, in the text's head. */
+void emit_kernels_head(const struct emission *e, struct text *out);
+
 /* CUDA: all kernels, and the functions by which they stage their slices. */
 void emit_kernels(const struct emission *e, struct text *out);
 const char *emit_stage(const struct emission *e);

@@ -102,7 +102,7 @@ static const char *pointers_text(const struct emission *e, const struct stretche
 		text_printf(&t, "%s%s%s *const %s_here = staged ? %s_slice", e->options->layout == RNEAGEN_AOS ? "\t\t" : "\t",
 			a->is_output ? "" : "const ", e->memory->type, a->name, d->arguments[place_of(s, d, i)].name);
 		if (e->options->layout == RNEAGEN_AOS)
-			text_printf(&t, " + threadIdx.x*%d", emit_pitch(e, place_rows(s, d, i)));
+			text_printf(&t, " + %s*%d", emit_each_block(e) ? "sample" : "threadIdx.x", emit_pitch(e, place_rows(s, d, i)));
 		if (before)
 			text_printf(&t, " %c %s%s%d", before < 0 ? '-' : '+', e->options->layout == RNEAGEN_AOS ? "" : block,
 				e->options->layout == RNEAGEN_AOS ? "" : "*", abs(before));

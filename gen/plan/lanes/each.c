@@ -229,7 +229,7 @@ static int make(struct trial *y, struct function *p, int joints, int *serves, st
 	p->loops = y->loops;
 	if (done)
 		y->loops->loop = find_loops(&p->dag, a);
-	done = done && y->loops->loop && find_numbers(y->loops, &p->dag, a) && each_gather(serves, p, &spare, a);
+	done = done && y->loops->loop && find_numbers(y->loops, &p->dag, a) && each_gather(serves, &y->loops->is_apart, p, &spare, a);
 	if (done && *serves)
 		*serves = find_sines(p, y->x, &spare);
 	done = done && (!*serves || places_serve(serves, p, p->stretches, &spare)) && !spare.failed;
@@ -290,6 +290,7 @@ static int make_best(struct part *p, struct trial *y, struct arena *a)
 		return 1;
 	p->joints = joints;
 	p->function.each = each;
+	y->loops->most_block = each_most_block(each, y->x);
 	return readings_alive(&p->alive, &each->plan, a);
 }
 

@@ -20,6 +20,7 @@ struct gatherer {
 	size_t *section;         /* by line: the line of the section that it is in; line_count: none */
 	struct line *lines;
 	size_t count, section_now;
+	int is_apart; /* no loop takes what another one has left */
 };
 
 static uint32_t bit_of(int loop)
@@ -99,6 +100,7 @@ static int write_loops(struct gatherer *g, int loops)
 			next++;
 		if (next > loops)
 			return 0;
+		g->is_apart &= !loops_before(g, next);
 		write_loop(g, next);
 		written |= bit_of(next);
 	}
@@ -108,17 +110,18 @@ static int write_loops(struct gatherer *g, int loops)
 	return 1;
 }
 
-int each_gather(int *serves, struct function *p, struct arena *spare, struct arena *a)
+int each_gather(int *serves, int *is_apart, struct function *p, struct arena *spare, struct arena *a)
 {
 	size_t lines = p->plan.line_count;
 	struct gatherer g = {.p = p, .left = arena_alloc(spare, lines, sizeof *g.left), .is_taken = arena_alloc(spare, lines, 1),
 		.done = arena_alloc(spare, lines, 1), .section = arena_alloc(spare, lines, sizeof *g.section),
-		.lines = arena_take(a, 2 * lines, sizeof *g.lines), .section_now = lines};
+		.lines = arena_take(a, 2 * lines, sizeof *g.lines), .section_now = lines, .is_apart = 1};
 
 	if (!readings_make(&g.r, &p->plan, spare) || spare->failed || a->failed)
 		return 0;
 	find_left(&g);
 	*serves = write_loops(&g, p->loops->count);
+	*is_apart = g.is_apart;
 	p->plan.lines = g.lines;
 	p->plan.line_count = g.count;
 	return 1;

@@ -14,28 +14,32 @@ enum { COUNT = 1300, SEED = 20261127, LARGE_BLOCK = 512 }; /* beyond what the li
    before it. */
 struct shape {
 	int leg, arm, fingers; /* links of a leg, and of an arm */
-	enum { MIRRORED, UNEVEN, STRAIGHT } how; /* the right arm has one link more; no joint turns the other way */
+	enum { MIRRORED, UNEVEN, STRAIGHT, FOLLOWED } how; /* the right arm has one link more; no joint turns the other way; the neck follows the
+							      left arm's first joint */
 };
 
 static const struct subject {
 	struct shape shape;
 	const char *scene, *order;
 	enum rneagen_precision precision;
-	int floating, loops, again; /* what is to be found in the text */
-	int is_long;                /* others run nearly the same: where all is asked for */
+	int floating, loops, again, threads; /* what is to be found in the text */
+	int is_long;                         /* others run nearly the same: where all is asked for */
 } SUBJECTS[] = {
-	{{6, 7, 3, MIRRORED}, "", NULL, RNEAGEN_F64, 0, 2, 0, 1},
-	{{6, 7, 5, MIRRORED}, "", NULL, RNEAGEN_F32, 0, 2, 0, 1},
-	{{6, 7, 5, MIRRORED}, "", NULL, RNEAGEN_F64, 1, 2, 0, 1},
-	{{6, 7, 3, UNEVEN}, "", NULL, RNEAGEN_F64, 0, 0, 0, 1}, /* only the legs are alike, and fingers */
-	{{6, 7, 2, MIRRORED}, "want tau,vjp\n", NULL, RNEAGEN_F64, 0, 2, 1, 0},
-	{{6, 14, 0, MIRRORED}, "want tau,vjp\n", NULL, RNEAGEN_F32, 0, 2, 0, 1},
-	{{4, 5, 1, MIRRORED}, "want tau,bias,gravity\n", NULL, RNEAGEN_F64, 0, 2, 0, 1},
-	{{6, 7, 3, MIRRORED}, "want tau,vjp\nfold qdd=0\n", NULL, RNEAGEN_F64, 0, 2, 1, 1},
-	{{6, 7, 3, STRAIGHT}, "fext right_103\nfext back_1\n", NULL, RNEAGEN_F64, 0, 2, 0, 1}, /* a wrench that the other limb does not feel */
-	{{6, 7, 3, STRAIGHT}, "free payload.right_103:sample\n", NULL, RNEAGEN_F64, 0, 2, 0, 1},
-	{{3, 12, 0, MIRRORED}, "", "legs", RNEAGEN_F64, 0, 2, 0, 0}, /* rows of the legs in turn */
-	{{6, 10, 0, MIRRORED}, "want tau,vjp\n", "last first", RNEAGEN_F64, 0, 2, 0, 1}, /* motion is made again from a joint's row on to the next */
+	{{6, 7, 3, MIRRORED}, "", NULL, RNEAGEN_F64, 0, 2, 0, 1, 1},
+	{{6, 7, 5, MIRRORED}, "", NULL, RNEAGEN_F32, 0, 2, 0, 1, 1},
+	{{6, 7, 5, MIRRORED}, "", NULL, RNEAGEN_F64, 1, 2, 0, 1, 1},
+	{{6, 7, 3, UNEVEN}, "", NULL, RNEAGEN_F64, 0, 0, 0, 0, 1}, /* only the legs are alike, and fingers */
+	{{6, 7, 2, MIRRORED}, "want tau,vjp\n", NULL, RNEAGEN_F64, 0, 2, 1, 1, 0},
+	{{6, 14, 0, MIRRORED}, "want tau,vjp\n", NULL, RNEAGEN_F32, 0, 2, 0, 0, 1},
+	{{4, 5, 1, MIRRORED}, "want tau,bias,gravity\n", NULL, RNEAGEN_F64, 0, 2, 0, 1, 1},
+	{{6, 7, 3, MIRRORED}, "want tau,vjp\nfold qdd=0\n", NULL, RNEAGEN_F64, 0, 2, 1, 1, 1},
+	{{6, 7, 3, STRAIGHT}, "fext right_103\nfext back_1\n", NULL, RNEAGEN_F64, 0, 2, 0, 1, 1}, /* a wrench that the other limb does not feel */
+	{{6, 7, 3, STRAIGHT}, "free payload.right_103:sample\n", NULL, RNEAGEN_F64, 0, 2, 0, 1, 1},
+	{{3, 12, 0, MIRRORED}, "", "legs", RNEAGEN_F64, 0, 2, 0, 0, 0}, /* rows of the legs in turn */
+	{{6, 9, 11, MIRRORED}, "", NULL, RNEAGEN_F32, 1, 2, 0, 1, 1},
+	{{32, 2, 0, MIRRORED}, "", NULL, RNEAGEN_F32, 0, 2, 0, 1, 1}, /* legs that leave nothing */
+	{{6, 9, 5, FOLLOWED}, "", NULL, RNEAGEN_F64, 0, 0, 0, 0, 1},
+	{{6, 10, 0, MIRRORED}, "want tau,vjp\n", "last first", RNEAGEN_F64, 0, 2, 0, 1, 1}, /* motion is made again from a joint's row on to the next */
 };
 
 /* Of one side. Coordinates across are mirrored, and each third joint may turn the other way on the right. */
@@ -46,8 +50,8 @@ struct side {
 
 static const struct side LEFT = {"left", 1, 1}, RIGHT = {"right", -1, -1}, STRAIGHT_RIGHT = {"right", -1, 1}, MIDDLE = {"back", 1, 1};
 
-/* Links from number `first` on, the first of which hangs on another link. The last joint follows the one before it where it is to. */
-static void put_chain(struct text *t, const struct side *s, int first, int links, const char *parent, int follows)
+/* Links from number `first` on, the first of which hangs on another link. The last joint follows `driver`; NULL: none. */
+static void put_chain(struct text *t, const struct side *s, int first, int links, const char *parent, const char *driver)
 {
 	static const char *const axes[] = {"0 %d 0", "0 0 %d", "%d 0 0"};
 
@@ -65,8 +69,8 @@ static void put_chain(struct text *t, const struct side *s, int first, int links
 			text_put(t, parent);
 		text_printf(t, "'/><child link='%s_%d'/><origin xyz='0.2 %g 0.1' rpy='%g 0.2 0'/><axis xyz='%s'/><limit lower='-3' upper='3' "
 			"effort='9' velocity='3'/>", s->name, i, s->sign * 0.05, s->sign * 0.3, axis);
-		if (follows && i == first + links - 1)
-			text_printf(t, "<mimic joint='%s_j%02d' multiplier='0.5' offset='0.1'/>", s->name, i - 1);
+		if (driver && i == first + links - 1)
+			text_printf(t, "<mimic joint='%s' multiplier='0.5' offset='0.1'/>", driver);
 		text_put(t, "</joint>\n");
 	}
 }
@@ -74,13 +78,15 @@ static void put_chain(struct text *t, const struct side *s, int first, int links
 static void put_side(struct text *t, const struct shape *x, const struct side *s)
 {
 	int arm = x->arm + (x->how == UNEVEN && s->sign < 0);
-	char hand[32];
+	char hand[32], before[32];
 
-	put_chain(t, s, 100, x->leg, "ground", 0);
-	put_chain(t, s, 0, arm, "back_1", 0);
+	put_chain(t, s, 100, x->leg, "ground", NULL);
+	put_chain(t, s, 0, arm, "back_1", NULL);
 	snprintf(hand, sizeof hand, "%s_%d", s->name, arm - 1);
-	for (int i = 0; i < x->fingers; i++)
-		put_chain(t, s, 20 + 3 * i, 3, hand, 1);
+	for (int i = 0; i < x->fingers; i++) {
+		snprintf(before, sizeof before, "%s_j%02d", s->name, 21 + 3 * i);
+		put_chain(t, s, 20 + 3 * i, 3, hand, before);
+	}
 }
 
 /* The legs' rows in turn, or each leg's last row first; then all others, side by side. */
@@ -113,8 +119,8 @@ static void generate(const struct subject *s, const struct rneagen_options *give
 	o.scene = *s->scene ? s->scene : NULL;
 	o.order = s->order ? order_text(&s->shape, s->order, &order) : NULL;
 	text_put(&urdf, "<robot name='mirrored'><link name='ground'/>\n");
-	put_chain(&urdf, &MIDDLE, 0, 2, "ground", 0);
-	put_chain(&urdf, &MIDDLE, 50, 1, "back_1", 0);
+	put_chain(&urdf, &MIDDLE, 0, 2, "ground", NULL);
+	put_chain(&urdf, &MIDDLE, 50, 1, "back_1", s->shape.how == FOLLOWED ? "left_j00" : NULL);
 	put_side(&urdf, &s->shape, &LEFT);
 	put_side(&urdf, &s->shape, s->shape.how == STRAIGHT ? &STRAIGHT_RIGHT : &RIGHT);
 	text_put(&urdf, "</robot>\n");
@@ -159,6 +165,7 @@ START_TEST(test_values)
 	ck_assert_int_eq(count_loops(loops.text.source), s->loops);
 	ck_assert_int_eq(count_loops(whole.text.source), 0);
 	ck_assert_int_eq(strstr(loops.text.source, " = RNEA_READ_ANEW(") != NULL, s->again);
+	ck_assert_int_eq(strstr(loops.text.source, "\"threads 2 ") != NULL, s->threads);
 	one = launched_run(launched_open(&whole, RNEA_BACKEND_HOST, 0), COUNT, SEED, s->floating);
 	check(s, &loops, RNEA_BACKEND_CUDA, _i % 2 ? LARGE_BLOCK : 0, &one);
 	if (exhaustive()) {
