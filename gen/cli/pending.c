@@ -11,7 +11,8 @@
 
 enum {
 	PENDING_LIMIT = 68, /* more than a kernel has arrays */
-	LINKS = 40          /* that lead to one another, as many as Linux follows */
+	LINKS = 40,         /* that lead to one another, as many as Linux follows */
+	KEPT = 100          /* bytes of a file's name in its temporary one */
 };
 
 /* Names for the handler, which can take no argument; changed only while the signals are blocked. */
@@ -116,6 +117,18 @@ static char *join(const char *path, size_t length, const char *suffix)
 		memcpy(name + length, suffix, more);
 	}
 	return name;
+}
+
+/* A name in the folder of `path` that begins as its own does: short, for a name may be as long as the folder allows. */
+static char *temporary_name(const char *path)
+{
+	const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+	size_t kept = strlen(name);
+
+	if (kept > KEPT)
+		for (kept = KEPT; kept && ((unsigned char)name[kept] & 0xc0) == 0x80; kept--) /* characters of UTF-8 stay whole */
+			;
+	return join(path, (size_t)(name - path) + kept, ".XXXXXX");
 }
 
 /* ---- files ---- */
@@ -263,7 +276,7 @@ enum rneagen_code pending_open(struct pending *p, const char *path, struct rneag
 		return e->code;
 	if (!pending_is_in_place(path)) {
 		p->target = strdup(target);
-		p->temporary = join(target, strlen(target), ".XXXXXX");
+		p->temporary = temporary_name(target);
 		return open_temporary(p, create, 1, e);
 	}
 	fd = find_open(target);
