@@ -17,6 +17,7 @@ enum {
 
 /* Names for the handler, which can take no argument; changed only while the signals are blocked. */
 static char *volatile names[PENDING_LIMIT];
+static void (*volatile also)(void);
 
 static const int SIGNALS[] = {SIGINT, SIGTERM, SIGHUP};
 enum { SIGNAL_COUNT = sizeof SIGNALS / sizeof *SIGNALS };
@@ -27,6 +28,8 @@ static void handle(int number)
 	for (int i = 0; i < PENDING_LIMIT; i++)
 		if (names[i])
 			unlink(names[i]);
+	if (also)
+		also();
 	signal(number, SIG_DFL);
 	raise(number);
 }
@@ -51,6 +54,12 @@ static void install_handler(void)
 	for (int i = 0; i < SIGNAL_COUNT; i++)
 		if (!sigaction(SIGNALS[i], NULL, &before) && before.sa_handler == SIG_DFL)
 			sigaction(SIGNALS[i], &action, NULL);
+}
+
+void pending_also(void (*removes)(void))
+{
+	also = removes;
+	install_handler();
 }
 
 static int replace_name(const char *old, char *name)

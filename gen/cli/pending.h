@@ -54,6 +54,9 @@ enum rneagen_code pending_publish(struct pending *p, struct rneagen_error *e);
 /* Remove the file, unless it was published; an empty *p is a no-op. */
 void pending_drop(struct pending *p);
 
+/* What else is to be removed when a signal ends the program, from now on: what the function does a handler may do. */
+void pending_also(void (*removes)(void));
+
 /* "PATH: cannot be written: " and what errno says. Error: WRITE. */
 enum rneagen_code pending_fail(const char *path, struct rneagen_error *e);
 
