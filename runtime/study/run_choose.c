@@ -210,7 +210,7 @@ static void put_command(const struct choosing *c, const struct study_row *r, con
 	struct adjust adjust = a->adjust;
 
 	adjust.has_angles = adjust.has_angles && r->trig == RNEAGEN_BOUNDED;
-	text_put(out, "rneagen ");
+	text_printf(out, "rneagen %s", text_before_file(c->command.urdf));
 	text_put_shell(out, c->command.urdf);
 	emit_options(&o, out);
 	if (o.order) {
