@@ -220,7 +220,7 @@ int file_put_stdout(const char *s)
 {
 	int bad = fputs(s, stdout) < 0;
 
-	return fflush(stdout) != 0 || bad;
+	return fflush(stdout) != 0 || ferror(stdout) || bad;
 }
 
 enum rneagen_code file_put_stdout_error(const char *s, struct rneagen_error *e)

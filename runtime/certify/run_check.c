@@ -21,9 +21,13 @@ static const char HELP[] =
 
 static int print(const struct text *report)
 {
-	if (report->failed || file_put_stdout(text_string(report)) || fflush(stdout))
-		return fprintf(stderr, "%s: standard output: cannot be written\n", NAME), 1;
-	return 0;
+	struct rneagen_error e = {0};
+
+	if (report->failed)
+		error_memory(&e);
+	else if (!file_put_stdout_error(text_string(report), &e))
+		return 0;
+	return fprintf(stderr, "%s: %s\n", NAME, e.message), 1;
 }
 
 static int check(const char *file, const char *urdf, unsigned threads)

@@ -159,8 +159,10 @@ static int print(const struct proving *p, const struct proved *x)
 		status = fail(p, &e);
 	else if (out.failed)
 		status = command_fail(&p->command, "out of memory");
-	else if (fputs(text_string(&out), stdout) == EOF || fflush(stdout) || ferror(stdout))
-		status = command_fail(&p->command, "standard output: cannot be written");
+	else {
+		fputs(text_string(&out), stdout);
+		status = command_flush(&p->command);
+	}
 	arena_free(&arena);
 	return status;
 }

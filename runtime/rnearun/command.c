@@ -143,6 +143,13 @@ int command_fail(const struct command *c, const char *message)
 	return 1;
 }
 
+int command_flush(const struct command *c)
+{
+	struct rneagen_error e = {0};
+
+	return file_put_stdout_error("", &e) ? command_fail(c, e.message) : 0;
+}
+
 /* The command's options with the name by which messages call the URDF. */
 static struct rneagen_options named_options(const struct command *c)
 {

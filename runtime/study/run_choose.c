@@ -273,9 +273,7 @@ static int print(struct choosing *c)
 	if (c->proved)
 		puts("Proved bounds hold for every state within the limits of the joints and the ranges, over the largest ||ref|| of the samples.");
 	fputs(text_string(&command), stdout);
-	if (fflush(stdout) || ferror(stdout))
-		return command_fail(&c->command, "standard output: cannot be written");
-	return 0;
+	return command_flush(&c->command);
 }
 
 static int choose(struct choosing *c)

@@ -192,9 +192,7 @@ static int print(struct reporting *r, const struct report *report)
 	} else {
 		report_put_table(report, stdout);
 	}
-	if (fflush(stdout) || ferror(stdout))
-		return command_fail(&r->command, "standard output: cannot be written");
-	return 0;
+	return command_flush(&r->command);
 }
 
 static int report(struct reporting *r)
