@@ -1,20 +1,22 @@
 """What is tested of JAX's arrays on the processor and on a GPU alike. The test sets JAX up before it imports this."""
 import importlib
 import pickle
+import pydoc
 import sys
 import threading
 from pathlib import Path
 from types import SimpleNamespace
 
-from support import SEED, error_of, exhaustive, need, package, refused, robot_file
+from support import SEED, error_of, exhaustive, need, package, refused, robot_file, skip
 
 rneagen, np = package()
 jax, = need("jax")
 try:
     import rneagen.jax
 except rneagen.Error as error:
-    from support import skip
     skip(str(error))
+if not rneagen.jax._jax_operator._core.xla_handlers():
+    skip("the package was built without XLA's header")
 import jax.numpy as jnp
 from jax.sharding import NamedSharding, PartitionSpec
 from jax.test_util import check_grads
@@ -360,11 +362,12 @@ def case_programs():
 
 
 def case_unfit():
-    """A build without XLA's header, and a JAX that is too old, say so."""
-    operator = rneagen.jax._jax_operator
+    """A build without XLA's header says so when it is called, and help() works; a JAX that is too old says so."""
+    operator, robot = rneagen.jax._jax_operator, load("iiwa14", want="gravity")
     core, operator._core = operator._core, SimpleNamespace(xla_handlers=lambda: {})
     try:
-        refused(rneagen.BackendError, ["JAX", "jaxlib", "build"], importlib.reload, rneagen.jax)
+        assert "jax.grad" in pydoc.render_doc(importlib.reload(rneagen.jax))
+        refused(rneagen.BackendError, ["JAX", "jaxlib", "build"], robot, *arrays(robot, 2))
     finally:
         operator._core = core
     version, jax.__version_info__ = jax.__version_info__, (0, 4, 38)

@@ -23,12 +23,8 @@ _operators: dict[str, "Operator"] = {}
 
 
 def register() -> None:
-    """Give XLA the handlers; BackendError where this package was built without them."""
-    handlers = _core.xla_handlers()
-    if not handlers:
-        raise BackendError("this build of rneagen takes no arrays of JAX, for XLA's header was not there: build it again "
-                           "where jaxlib is installed", "NO_XLA")
-    for platform, handler in handlers.items():
+    """Give XLA the handlers, where this package was built with them."""
+    for platform, handler in _core.xla_handlers().items():
         jax.ffi.register_ffi_target(TARGET, handler, platform=platform)
 
 
@@ -58,6 +54,10 @@ class Operator:
 
 
 def operator_of(robot) -> Operator:
+    """BackendError where this package was built without handlers."""
+    if not _core.xla_handlers():
+        raise BackendError("this build of rneagen takes no arrays of JAX, for XLA's header was not there: build it again "
+                           "where jaxlib is installed", "NO_XLA")
     return _robot.operator_of(robot, "_jax", _operators, lock, lambda name: Operator(robot, name))
 
 
