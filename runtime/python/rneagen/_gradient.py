@@ -21,6 +21,7 @@ from __future__ import annotations
 import re
 from typing import Any, Callable, Iterable, NamedTuple, Sequence
 
+from . import _arrays
 from ._errors import RobotError
 
 PARTS = {"joint_position": 0, "joint_velocity": 1, "joint_acceleration": 2, "joint_torque": 2}  # of vjp and jvp_v
@@ -180,8 +181,7 @@ class Gradients:
         arrays have. The tangent of a constant of the whole batch may have them too: it is `apart` then."""
         library = self.library
         given = [(a, d) for a, d in zip(self.robot.inputs, tangents) if d is not None]
-        lead = next((tuple(x.shape[:len(x.shape) - len(a.shape)])
-                     for a, x in zip(self.robot.inputs, arrays) if not a.per_batch), ())
+        lead = _arrays.samples_of(self.robot.inputs, arrays)
         values = {a.word: x for a, x in zip(self.robot.inputs, arrays)}
         state = [(a, d) for a, d in given if a.role != "cotangent"]
         weights = next((d for a, d in given if a.role == "cotangent"), None)
