@@ -266,8 +266,10 @@ void emit_lanes_call_bodies(const struct emission *e, const struct function *p, 
 void emit_lanes_call(const struct emission *e, const struct function *p, struct text *out);
 /* What the function of one sample does. */
 const char *emit_one_call(const struct emission *e, const struct function *p);
-/* The function of one sample, with any angles, that batches call: its name, and its text where it is not the body. */
+/* The function of one sample, with any angles, that batches call: its name; its text where it is not the body, alone or after a
+   comment. */
 const char *emit_any_name(const struct emission *e, const struct function *p);
+const char *emit_any(const struct emission *e, const struct function *p);
 void emit_put_any(const struct emission *e, const struct function *p, struct text *out);
 
 /* The arrays of what goes across cuts, or the one that there is: as parameters; the same where compilers are to know that they
