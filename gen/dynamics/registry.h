@@ -54,9 +54,6 @@ extern const struct algorithm *const ALGORITHMS[ALGORITHM_COUNT];
 /* Those in the text of a request, in order; returns their count. */
 int algorithms_for(const struct request *k, const struct algorithm *found[ALGORITHM_COUNT]);
 
-/* By its name; NULL: there is none. */
-const struct algorithm *algorithm_find(const char *name);
-
 /* What loops over columns serve: one sample on a processor; the same, coordinates side by side in lanes; batches there; a
    relay. */
 enum looped { LOOPED_SINGLE, LOOPED_LANES, LOOPED_BATCH, LOOPED_RELAY };
