@@ -13,8 +13,8 @@ they are the output jvp of a third text, H d (--jvp vjp), by w they are products
     forward    vjp varies by H d + dw' J
     backward   with g the gradient by vjp, the loss varies by H' g with the state, by J g with w
 
-H is symmetric but for rows of floating joints, whose twists do not commute: (H' g)_j = (H g)_j + vjp . [e_j, g], with Lie's bracket
-[(a, b), (c, d)] = (b x c + a x d, b x d) of twists (linear, angular).
+H is symmetric but for rows of floating joints, whose twists do not commute: (H' g)_j = (H g)_j + vjp . [e_j, g], with Lie's
+bracket [(a, b), (c, d)] = (b x c + a x d, b x d) of twists (linear, angular).
 """
 from __future__ import annotations
 
