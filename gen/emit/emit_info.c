@@ -96,8 +96,8 @@ static void put_function(const struct emission *e, const struct function *p, str
 		put_limbs(e, "start_limbs", emit_start_limbs(e), out);
 }
 
-/* What knows no relays, no hands, no parts of a relay's first kernel, or no more than one kernel for hands, is not to launch some of
-   the kernels alone, or a part. */
+/* What knows no relays, no hands, no parts of a relay's first kernel, or no more than one kernel for hands, is not to launch some
+   of the kernels alone, or a part. */
 enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS, VERSION_STARTS, VERSION_LEVELS };
 
 static int version_of(const struct emission *e)

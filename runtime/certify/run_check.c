@@ -11,8 +11,9 @@ static const char NAME[] = "rnearun check-certificate";
 static const char HELP[] =
 	"usage: rnearun check-certificate FILE [ROBOT.urdf] [--threads N]\n"
 	"\n"
-	"Checks what rnearun prove wrote with --certificate FILE, without any search and by other code than found it: the URDF and its text\n"
-	"are those that are meant, and each bound follows from the steps that are recorded. ROBOT.urdf: unless the file that FILE names.\n"
+	"Checks what rnearun prove wrote with --certificate FILE, without any search and by other code than found it: the\n"
+	"URDF and its text are those that are meant, and each bound follows from the steps that are recorded. ROBOT.urdf:\n"
+	"unless the file that FILE names.\n"
 	"\n"
 	"  --threads N                of the processor (default: all)\n"
 	"  --help\n"

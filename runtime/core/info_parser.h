@@ -5,11 +5,29 @@
 #include "core/info_table.h"
 #include "core/words.h"
 
-/* Who knows nothing of parts, of functions, of relays, or of hands must not launch a text that has them: each was a version more. */
-enum { VERSION = 1, VERSION_PARTS = 2, VERSION_FUNCTIONS = 3, VERSION_RELAY = 4, VERSION_HANDS = 5, VERSION_STARTS = 6, VERSION_LEVELS = 7,
-	BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535,
-	STAGE_LIMIT = 48 << 10, SAMPLES_LIMIT = 32, LIMBS_LIMIT = 16, GROUPS_LIMIT = 4, RELAY_LIMIT = 32,
-	PART_BLOCK_LIMIT = 256, ARCH_LIMIT = 999, TILE_ROWS_LIMIT = 256, GIVEN_LIMIT = 227 << 10, ROOM_LIMIT = 1 << 16 };
+/* Who knows nothing of parts, of functions, of relays, or of hands must not launch a text that has them: each was
+   a version more. */
+enum {
+	VERSION = 1,
+	VERSION_PARTS = 2,
+	VERSION_FUNCTIONS = 3,
+	VERSION_RELAY = 4,
+	VERSION_HANDS = 5,
+	VERSION_STARTS = 6,
+	VERSION_LEVELS = 7,
+	BLOCK_LIMIT = 1024,
+	PARTS_LIMIT = 65535,
+	STAGE_LIMIT = 48 << 10,
+	SAMPLES_LIMIT = 32,
+	LIMBS_LIMIT = 16,
+	GROUPS_LIMIT = 4,
+	RELAY_LIMIT = 32,
+	PART_BLOCK_LIMIT = 256,
+	ARCH_LIMIT = 999,
+	TILE_ROWS_LIMIT = 256,
+	GIVEN_LIMIT = 227 << 10,
+	ROOM_LIMIT = 1 << 16
+};
 
 /* The keys that stand once: in the text; from KEY_OPERATIONS on for each function. */
 enum key {

@@ -15,9 +15,9 @@
 static const char HELP[] =
 	"usage: rnearun prove ROBOT.urdf --range qdd=-20,20 [options]\n"
 	"\n"
-	"Proves, for all states within the limits of the joints and the ranges given, from where to where each torque goes, and how far\n"
-	"rounding takes a text off in each precision. Beside it stands what a search over the same states finds. What has no limit in the\n"
-	"URDF needs a --range.\n"
+	"Proves, for all states within the limits of the joints and the ranges given, from where to where each torque goes, and\n"
+	"how far rounding takes a text off in each precision. Beside it stands what a search over the same states finds. What\n"
+	"has no limit in the URDF needs a --range.\n"
 	"\n"
 	"  --range NAME=LO,HI         of q, qd, qdd, q.JOINT, qd.JOINT, qdd.JOINT or another input of the scene\n"
 	"  --seconds S                for proof and search together (default 60)\n"

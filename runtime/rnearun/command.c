@@ -179,8 +179,8 @@ static void tell(const struct command *c, const struct rnea_build *build)
 		fprintf(stderr, "%s: what was compiled is not kept for the next time: %s\n", c->name, build->unkept);
 }
 
-/* For the processor alone a text of target c: its long functions are in segments, for which a compiler takes a fraction of the time
-   (gcc 12, gradients of g1_29dof, floating: less than a fifth). */
+/* For the processor alone a text of target c: its long functions are in segments, for which a compiler takes a fraction of the
+   time (gcc 12, gradients of g1_29dof, floating: less than a fifth). */
 static int is_for_host(const struct command *c)
 {
 	return c->open.backend == RNEA_BACKEND_HOST || (c->open.backend == RNEA_BACKEND_ANY && rnea_device_count(NULL) < 1);

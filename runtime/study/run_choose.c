@@ -271,7 +271,8 @@ static int print(struct choosing *c)
 			say(c, &c->candidates[i], best, fastest);
 	say_measured(c);
 	if (c->proved)
-		puts("Proved bounds hold for every state within the limits of the joints and the ranges, over the largest ||ref|| of the samples.");
+		puts("Proved bounds hold for every state within the limits of the joints and the ranges, over the largest ||ref|| of "
+			"the samples.");
 	fputs(text_string(&command), stdout);
 	return command_flush(&c->command);
 }

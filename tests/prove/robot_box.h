@@ -18,7 +18,8 @@ struct robot_box {
 };
 
 /* The file tests/robots/NAME.urdf, with a floating base where the name begins with "floating:", its elbow following its
-   shoulder where it begins with "mimic:", in a scene, lines of it; gravity 0: as always, else along -z. Fails the test on any error. */
+   shoulder where it begins with "mimic:", in a scene, lines of it; gravity 0: as always, else along -z. Fails the test on any
+   error. */
 void robot_box_open(struct robot_box *x, const char *name, const char *scene, double gravity);
 void robot_box_close(struct robot_box *x);
 
