@@ -36,7 +36,8 @@ enum rneagen_code choices_resolve(struct analysis *a)
 		o->name = identifier_from(a->robot.name, a->arena);
 	else if (!identifier_is(o->name))
 		return error_set(e, RNEAGEN_NAME,
-			"--name '%.255s' is no C identifier: letters, digits and underscores, no digit first, no keyword, no underscore before another or a capital first",
+			"--name '%.255s' is no C identifier: letters, digits and underscores, no digit first, no keyword, no underscore before "
+			"another or a capital first",
 			o->name);
 	return o->name ? RNEAGEN_OK : error_memory(e);
 }

@@ -100,7 +100,8 @@ static enum rneagen_code plan_build_all(struct generation *g)
 		if (!plan_build(&g->functions[i].plan, &g->functions[i].dag, &a->tree, a->arena))
 			return error_memory(a->error);
 	}
-	return plan_order(&g->functions[0], &a->tree, &a->request, &a->options, ORDERED_WHOLE, a->arena) ? RNEAGEN_OK : error_memory(a->error);
+	return plan_order(&g->functions[0], &a->tree, &a->request, &a->options, ORDERED_WHOLE, a->arena) ? RNEAGEN_OK
+													 : error_memory(a->error);
 }
 
 /* The last that needs the DAG as it was before it was fused. */

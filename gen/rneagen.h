@@ -60,8 +60,8 @@ struct rneagen_options {
 	int strict; /* the same bits from every compiler, CPU and GPU, for all results that are not NaN */
 	int bounded; /* target C: also a function that gives a bound of each output's error: of how far it is from what the URDF's
 			decimals give in exact arithmetic (eval.h says it in full); 0, or of RNEAGEN_BOUNDS_* */
-	int only; /* of RNEAGEN_ONLY_*: the main function without the halves of the algorithm and, in target c, without the functions that
-		     take batches; one that is named has to be the main one. 0: all */
+	int only; /* of RNEAGEN_ONLY_*: the main function without the halves of the algorithm and, in target c, without the
+		     functions that take batches; one that is named has to be the main one. 0: all */
 	int parts; /* of the grid, target CUDA: each makes some elements of the matrices; default RNEAGEN_PARTS_AUTO: as few as the
 		      registers and the instruction cache have room for, 1 where a text cannot be split */
 	int segments; /* operations of a segment at most: a stretch of a text that runs for several samples before the next one does;

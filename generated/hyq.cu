@@ -2477,7 +2477,8 @@ extern "C" __global__ void __launch_bounds__(RNEA_PART_BLOCK)
 hyq_rnea_part0_kernel(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
 	float *__restrict__ tau, size_t count, const RNEA_GRID_CONSTANT hyq_tiles tiles)
 {
-#if defined __CUDACC_VER_MAJOR__ && __CUDACC_VER_MAJOR__ >= 13 && !defined __CUDACC_RDC__ && !defined __CUDACC_DEBUG__
+#if defined __CUDACC_VER_MAJOR__ && __CUDACC_VER_MAJOR__ >= 13 && \
+	!defined __CUDACC_RDC__ && !defined __CUDACC_DEBUG__
 	asm volatile(".pragma \"enable_smem_spilling\";"); /* what no register holds goes to shared memory first */
 #endif
 	size_t k = (size_t)blockIdx.x*blockDim.x + threadIdx.x; /* this thread's sample */

@@ -175,12 +175,13 @@ struct rnea_matrix {
 };
 
 /* A kernel for small batches with the parameters of the one whose place it takes: rnea_launch and rnea_run choose. A block is of
-   32 warps groups threads with groups bytes of shared memory given, and does 32 groups samples; groups is from 1 to `groups`, 1 for
-   up to 32 samples. */
+   32 warps groups threads with groups bytes of shared memory given, and does 32 groups samples; groups is from 1 to `groups`, 1
+   for up to 32 samples. */
 struct rnea_limbs {
 	unsigned warps;  /* that share out each sample; 0: there is no such kernel, or it did not compile */
 	unsigned groups;
-	size_t bytes;    /* of a group of 32 samples; more than 48 KiB have to be asked for (CU_FUNC_ATTRIBUTE_MAX_DYNAMIC_SHARED_SIZE_BYTES) */
+	/* of a group of 32 samples; more than 48 KiB have to be asked for (CU_FUNC_ATTRIBUTE_MAX_DYNAMIC_SHARED_SIZE_BYTES) */
+	size_t bytes;
 	size_t most;     /* samples of a batch up to which it is faster */
 	unsigned parts;  /* of its grid along y */
 };
@@ -209,32 +210,33 @@ struct rnea_function {
 	unsigned most_samples; /* of such a kernel: samples that a thread takes at most, as far as they have room. A grid of any size is
 				  right; the fewer blocks, the more samples each thread takes. 1 of all other kernels */
 	struct rnea_limbs limbs; /* of the kernel NAME_FUNCTION_limbs */
-	/* A relay: rnea_launch and rnea_run launch three kernels with the same parameters, one after the other. The function's own, which
-	   may have limbs, is the second. The first is NAME_FUNCTION_start_kernel, in blocks as long as the second's. The third is
-	   NAME_FUNCTION_solve_kernel: a block is of 32 relay_warps threads with relay_bytes bytes of shared memory given, and does 32
-	   samples; the blocks along y share its work, and any number of them is right; it is fast where all blocks run at once. */
+	/* A relay: rnea_launch and rnea_run launch three kernels with the same parameters, one after the other. The function's
+	   own, which may have limbs, is the second. The first is NAME_FUNCTION_start_kernel, in blocks as long as the second's.
+	   The third is NAME_FUNCTION_solve_kernel: a block is of 32 relay_warps threads with relay_bytes bytes of shared memory
+	   given, and does 32 samples; the blocks along y share its work, and any number of them is right; it is fast where all
+	   blocks run at once. */
 	unsigned relay_warps; /* 0: there is one kernel */
 	unsigned relay_room;  /* blocks of the third, along x and y, beyond which more along y gained nothing on an H100 */
 	size_t relay_bytes;
 	unsigned start_parts; /* blocks of the first along y: a grid without as many stops with an error (a trap); else 1 */
 	struct rnea_limbs start_limbs; /* of the kernel NAME_FUNCTION_start_limbs, which takes the place of the first */
-	/* Several kernels with the same parameters, one after the other, where the batch is larger than limbs.most: before the function's
-	   own rnea_launch and rnea_run launch NAME_FUNCTION_hands_kernel, then NAME_FUNCTION_hands1_kernel and so on, in the same blocks
-	   with the same shared memory, and so many along y of each, unless part kernels run, the first of which are of hands; 0: there is
-	   no such kernel, and none after it */
+	/* Several kernels with the same parameters, one after the other, where the batch is larger than limbs.most: before the
+	   function's own rnea_launch and rnea_run launch NAME_FUNCTION_hands_kernel, then NAME_FUNCTION_hands1_kernel and so on,
+	   in the same blocks with the same shared memory, and so many along y of each, unless part kernels run, the first of
+	   which are of hands; 0: there is no such kernel, and none after it */
 	unsigned hands[RNEA_HANDS_LIMIT];
 	/* From so many samples on rnea_launch launches, instead of the kernel with all parts along y, NAME_FUNCTION_part0_kernel,
-	   NAME_FUNCTION_part1_kernel and so on, part_count of them, in blocks of part_block threads, one along y, for as many samples; 0:
-	   never, there are no such kernels, or they did not compile. The slices of rnea_run are smaller. Where there are tiles, one
-	   parameter more comes last: a struct of as many tensor maps (CUtensorMap), of 2 dimensions, samples and rows, with boxes of
-	   part_block samples and so many rows. From compute capability 9.0 on rows have to begin at multiples of 16 bytes for that: else
-	   the other kernel runs */
+	   NAME_FUNCTION_part1_kernel and so on, part_count of them, in blocks of part_block threads, one along y, for as many
+	   samples; 0: never, there are no such kernels, or they did not compile. The slices of rnea_run are smaller. Where there
+	   are tiles, one parameter more comes last: a struct of as many tensor maps (CUtensorMap), of 2 dimensions, samples and
+	   rows, with boxes of part_block samples and so many rows. From compute capability 9.0 on rows have to begin at multiples
+	   of 16 bytes for that: else the other kernel runs */
 	size_t part_kernels;
 	unsigned part_arch; /* compute capability from which on they pay, ten times */
 	unsigned part_count, part_block, tile_count;
 	struct rnea_tile tiles[RNEA_TILE_LIMIT];
-	/* Threads that share a sample in its kernel, if RNEA_BLOCK is most_block or less: a block is of sample_threads RNEA_BLOCK threads
-	   then, for RNEA_BLOCK samples; others stop with an error (a trap). 1 of all other kernels, and of hands and parts */
+	/* Threads that share a sample in its kernel, if RNEA_BLOCK is most_block or less: a block is of sample_threads RNEA_BLOCK
+	   threads then, for RNEA_BLOCK samples; others stop with an error (a trap). 1 of all other kernels, and of hands and parts */
 	unsigned sample_threads, most_block;
 };
 
@@ -285,8 +287,8 @@ struct rnea_options {
 	enum rnea_backend backend;
 	const char *file;    /* what messages call the text; NULL: its robot's name with ".cu", or the file's path */
 	int device;          /* CUDA ordinal, as CUDA_VISIBLE_DEVICES leaves them; default 0. HOST: not used */
-	unsigned block;      /* threads per block, 1 to 1024, or RNEA_BLOCK_OCCUPANCY; 0: what the text says. Kernels of small and of large
-				batches have blocks of their own. HOST: not used */
+	unsigned block; /* threads per block, 1 to 1024, or RNEA_BLOCK_OCCUPANCY; 0: what the text says. Kernels of small and of
+			   large batches have blocks of their own. HOST: not used */
 	unsigned threads;    /* HOST: how many one launch may use; CUDA: rnea_run, of which it takes 8 at most. 0: one for
 				each processor */
 	const char *cache;   /* folder of the cache; NULL: as the environment says; "": no cache */

@@ -9,8 +9,9 @@
 extern "C" {
 #endif
 
-/* `generate` as a text for `backend` wants it: the text alone; for the host without parts, which it would make one after another, and of
-   target c, whose long functions are in segments that a compiler takes a fraction of the time for, unless options are for kernels. */
+/* `generate` as a text for `backend` wants it: the text alone; for the host without parts, which it would make one after another,
+   and of target c, whose long functions are in segments that a compiler takes a fraction of the time for, unless options are for
+   kernels. */
 struct rneagen_options rnea_urdf_options(const struct rneagen_options *generate, enum rnea_backend backend);
 
 /* Generate the text for the URDF in the file at `path` and open it as rnea_open does. `generate` chooses what the text

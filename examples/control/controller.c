@@ -20,7 +20,8 @@ static const double KP = 400, KD = 40;	   /* 1/s^2, 1/s: two poles at -20/s */
 static const double MARGIN = 0.02;	   /* rad kept from every joint limit */
 static const double TRACKING_LIMIT = 1e-3; /* rad, once settled */
 
-/* iiwa14.urdf: <dynamics damping>, N m s/rad; its limits are tables of the generated header. With --damping the text has this term. */
+/* iiwa14.urdf: <dynamics damping>, N m s/rad; its limits are tables of the generated header. With --damping the text has this
+   term. */
 static const double DAMPING[N] = {0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5};
 
 /* Where to go, again and again; the third pose asks for more than joint 4 has. */

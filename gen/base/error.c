@@ -1,6 +1,15 @@
 #include "base/error.h"
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
+
+enum { LONGEST = 6000 }; /* a path, and what is said of it */
+
+/* Of UTF-8: a byte that does not begin a character. */
+static int is_inside(char c)
+{
+	return ((unsigned char)c & 0xc0) == 0x80;
+}
 
 const char *rneagen_code_text(enum rneagen_code code)
 {
@@ -12,16 +21,34 @@ const char *rneagen_code_text(enum rneagen_code code)
 	return (unsigned)code < RNEAGEN_ERROR_COUNT ? texts[code] : "unknown error";
 }
 
+/* Of a message that is too long its middle goes: at the end stands what is wrong with a name that is long. */
+static void shorten(char *message, size_t size, const char *whole, size_t length)
+{
+	static const char gap[] = " ... ";
+	size_t end = size / 2, begin = size - 1 - end - strlen(gap);
+
+	while (begin && is_inside(whole[begin]))
+		begin--;
+	while (is_inside(whole[length - end]))
+		end--;
+	snprintf(message, size, "%.*s%s%s", (int)begin, whole, gap, whole + length - end);
+}
+
 enum rneagen_code error_set(struct rneagen_error *e, enum rneagen_code code, const char *fmt, ...)
 {
+	char whole[LONGEST];
 	va_list ap;
 
 	if (e->code != RNEAGEN_OK)
 		return e->code;
 	e->code = code;
 	va_start(ap, fmt);
-	vsnprintf(e->message, sizeof e->message, fmt, ap);
+	vsnprintf(whole, sizeof whole, fmt, ap);
 	va_end(ap);
+	if (strlen(whole) < sizeof e->message)
+		strcpy(e->message, whole);
+	else
+		shorten(e->message, sizeof e->message, whole, strlen(whole));
 	for (char *s = e->message; *s; s++)
 		if ((unsigned char)*s < 0x20 || *s == 0x7f)
 			*s = '?';

@@ -143,6 +143,11 @@ void text_put_shell(struct text *t, const char *s)
 	text_putc(t, '\'');
 }
 
+const char *text_before_file(const char *name)
+{
+	return name[0] == '-' && name[1] ? "./" : "";
+}
+
 int text_digest(const char *s)
 {
 	uint32_t h = 2166136261u;

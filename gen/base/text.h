@@ -36,6 +36,9 @@ void text_put_json(struct text *t, const char *s);
 /* Append `s` as one word of a POSIX shell, in single quotes where it needs them. */
 void text_put_shell(struct text *t, const char *s);
 
+/* What a command has before the name of a file, which may begin as options do: "./" or nothing. */
+const char *text_before_file(const char *name);
+
 /* A number from 0 to 2^31 - 1 by which strings that differ are told apart (FNV-1a). */
 int text_digest(const char *s);
 

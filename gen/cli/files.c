@@ -3,6 +3,7 @@
 #include "cli/pending.h"
 #include "urdf/robot.h"
 #include <errno.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -135,27 +136,28 @@ int file_has_suffix(const char *path, const char *const *suffixes)
 	return 0;
 }
 
-/* A regular file, or the folder that one will be in and its name there. */
+/* A regular file, or the folder that one will be in and its name there; links are followed. */
 struct place {
 	int is_known;
 	struct stat st;
-	const char *name; /* NULL: the file is there */
+	char name[NAME_MAX + 2]; /* "": the file is there */
 };
 
 static struct place find_place(const char *path, int is_output)
 {
 	struct place p = {0};
-	const char *slash = strrchr(path, '/');
-	char *folder;
+	char target[PENDING_PATH], *slash;
 
 	if (!strcmp(path, "-"))
 		p.is_known = !fstat(is_output ? STDOUT_FILENO : STDIN_FILENO, &p.st) && S_ISREG(p.st.st_mode);
 	else if (!stat(path, &p.st))
 		p.is_known = S_ISREG(p.st.st_mode);
-	else if (is_output && (folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".")) != NULL) {
-		p.is_known = !stat(folder, &p.st);
-		p.name = slash ? slash + 1 : path;
-		free(folder);
+	else if (is_output && !pending_target(path, target)) {
+		slash = strrchr(target, '/');
+		snprintf(p.name, sizeof p.name, "%.*s", NAME_MAX + 1, slash ? slash + 1 : target);
+		if (slash)
+			slash[1] = '\0';
+		p.is_known = !stat(slash ? target : ".", &p.st);
 	}
 	return p;
 }
@@ -164,7 +166,7 @@ static int same_place(const struct place *a, const struct place *b)
 {
 	if (!a->is_known || !b->is_known || a->st.st_dev != b->st.st_dev || a->st.st_ino != b->st.st_ino)
 		return 0;
-	return a->name && b->name ? !strcmp(a->name, b->name) : !a->name && !b->name;
+	return !strcmp(a->name, b->name);
 }
 
 static int is_at(const struct place *p, const struct file_name *n, int is_output)
@@ -218,7 +220,7 @@ int file_put_stdout(const char *s)
 {
 	int bad = fputs(s, stdout) < 0;
 
-	return fflush(stdout) != 0 || bad;
+	return fflush(stdout) != 0 || ferror(stdout) || bad;
 }
 
 enum rneagen_code file_put_stdout_error(const char *s, struct rneagen_error *e)

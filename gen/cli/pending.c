@@ -9,10 +9,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { PENDING_LIMIT = 68 }; /* more than a kernel has arrays */
+enum {
+	PENDING_LIMIT = 68, /* more than a kernel has arrays */
+	LINKS = 40,         /* that lead to one another, as many as Linux follows */
+	KEPT = 100          /* bytes of a file's name in its temporary one */
+};
 
 /* Names for the handler, which can take no argument; changed only while the signals are blocked. */
 static char *volatile names[PENDING_LIMIT];
+static void (*volatile also)(void);
 
 static const int SIGNALS[] = {SIGINT, SIGTERM, SIGHUP};
 enum { SIGNAL_COUNT = sizeof SIGNALS / sizeof *SIGNALS };
@@ -23,6 +28,8 @@ static void handle(int number)
 	for (int i = 0; i < PENDING_LIMIT; i++)
 		if (names[i])
 			unlink(names[i]);
+	if (also)
+		also();
 	signal(number, SIG_DFL);
 	raise(number);
 }
@@ -49,6 +56,12 @@ static void install_handler(void)
 			sigaction(SIGNALS[i], &action, NULL);
 }
 
+void pending_also(void (*removes)(void))
+{
+	also = removes;
+	install_handler();
+}
+
 static int replace_name(const char *old, char *name)
 {
 	for (int i = 0; i < PENDING_LIMIT; i++) {
@@ -59,6 +72,75 @@ static int replace_name(const char *old, char *name)
 	}
 	return 0;
 }
+
+/* ---- names ---- */
+
+/* The number of the open file that a name of /dev or /proc stands for; -1: it is another name. */
+static int find_open(const char *path)
+{
+	static const char *const folders[] = {"/dev/fd/", "/proc/self/fd/"};
+	char *end;
+	long fd = -1;
+
+	if (!strcmp(path, "/dev/stdout") || !strcmp(path, "/dev/stderr"))
+		return !strcmp(path, "/dev/stdout") ? STDOUT_FILENO : STDERR_FILENO;
+	for (size_t i = 0; i < sizeof folders / sizeof *folders; i++)
+		if (!strncmp(path, folders[i], strlen(folders[i]))) {
+			fd = strtol(path + strlen(folders[i]), &end, 10);
+			return *end || end == path + strlen(folders[i]) || fd < 0 || fd > INT_MAX ? -1 : (int)fd;
+		}
+	return -1;
+}
+
+int pending_target(const char *path, char target[PENDING_PATH])
+{
+	char text[PENDING_PATH];
+	const char *slash;
+	size_t folder, length = strlen(path);
+	ssize_t n;
+
+	if (length >= PENDING_PATH)
+		return ENAMETOOLONG;
+	memcpy(target, path, length + 1);
+	for (int i = 0; i < LINKS; i++) {
+		/* what is no link, or not there, or cannot be seen is the file: opening it tells more */
+		if (find_open(target) >= 0 || (n = readlink(target, text, sizeof text)) < 0)
+			return 0;
+		slash = strrchr(target, '/');
+		folder = *text == '/' || !slash ? 0 : (size_t)(slash - target) + 1;
+		if (folder + (size_t)n >= PENDING_PATH)
+			return ENAMETOOLONG;
+		memcpy(target + folder, text, (size_t)n);
+		target[folder + (size_t)n] = '\0';
+	}
+	return ELOOP;
+}
+
+static char *join(const char *path, size_t length, const char *suffix)
+{
+	size_t more = strlen(suffix) + 1;
+	char *name = malloc(length + more);
+
+	if (name) {
+		memcpy(name, path, length);
+		memcpy(name + length, suffix, more);
+	}
+	return name;
+}
+
+/* A name in the folder of `path` that begins as its own does: short, for a name may be as long as the folder allows. */
+static char *temporary_name(const char *path)
+{
+	const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+	size_t kept = strlen(name);
+
+	if (kept > KEPT)
+		for (kept = KEPT; kept && ((unsigned char)name[kept] & 0xc0) == 0x80; kept--) /* characters of UTF-8 stay whole */
+			;
+	return join(path, (size_t)(name - path) + kept, ".XXXXXX");
+}
+
+/* ---- files ---- */
 
 /* Is the file of the temporary name still the one that was opened? Another run may have replaced what it takes for remains. */
 static int is_own(const struct pending *p)
@@ -73,18 +155,24 @@ static int is_own(const struct pending *p)
 	return 0;
 }
 
-/* Rename to `path`, or remove if that is NULL. Till then the name stays with the handler. */
-static int end_name(struct pending *p, const char *path)
+static void free_names(struct pending *p)
+{
+	free(p->temporary);
+	free(p->target);
+	p->temporary = p->target = NULL;
+}
+
+/* Rename to its target, or remove. Till then the name stays with the handler. */
+static int end_name(struct pending *p, int renames)
 {
 	sigset_t before = block_signals();
-	int own = is_own(p), bad = own ? (path ? rename(p->temporary, path) : unlink(p->temporary)) : -1, why = errno;
+	int own = is_own(p), bad = own ? (renames ? rename(p->temporary, p->target) : unlink(p->temporary)) : -1, why = errno;
 
 	replace_name(p->temporary, NULL);
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
-	if (bad && path && own)
+	if (bad && renames && own)
 		unlink(p->temporary);
-	free(p->temporary);
-	p->temporary = NULL;
+	free_names(p);
 	errno = why;
 	return bad;
 }
@@ -92,6 +180,16 @@ static int end_name(struct pending *p, const char *path)
 enum rneagen_code pending_fail(const char *path, struct rneagen_error *e)
 {
 	return error_set(e, RNEAGEN_WRITE, "%s: cannot be written: %s", path, strerror(errno));
+}
+
+/* Of a link, the message says where it leads. */
+static enum rneagen_code fail_at(const char *path, const char *target, struct rneagen_error *e)
+{
+	int why = errno;
+
+	if (!strcmp(path, target))
+		return pending_fail(path, e);
+	return error_set(e, RNEAGEN_WRITE, "%s, a link to %s: cannot be written: %s", path, target, strerror(why));
 }
 
 /* mkstemp, with the mode of a file made by fopen. */
@@ -113,18 +211,6 @@ static FILE *create(char *name)
 	return f;
 }
 
-static char *join(const char *path, const char *suffix)
-{
-	size_t length = strlen(path), more = strlen(suffix) + 1;
-	char *name = malloc(length + more);
-
-	if (name) {
-		memcpy(name, path, length);
-		memcpy(name + length, suffix, more);
-	}
-	return name;
-}
-
 static void note_file(struct pending *p)
 {
 	struct stat st;
@@ -140,40 +226,25 @@ static enum rneagen_code open_temporary(struct pending *p, FILE *(*make)(char *)
 {
 	sigset_t before;
 
-	if (!p->temporary)
+	if (!p->temporary || !p->target) {
+		free_names(p);
 		return error_memory(e);
+	}
 	install_handler();
 	before = block_signals();
 	if (removes && !replace_name(NULL, p->temporary))
 		error_set(e, RNEAGEN_LIMIT, "%s: more than %d files at once", p->path, PENDING_LIMIT);
 	else if (!(p->f = make(p->temporary)))
-		pending_fail(p->path, e);
+		fail_at(p->path, p->target, e);
 	if (e->code) {
 		replace_name(p->temporary, NULL);
-		free(p->temporary);
+		free_names(p);
 		*p = (struct pending){0};
 	} else {
 		note_file(p);
 	}
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
 	return e->code;
-}
-
-/* The number of the open file that a name of /dev or /proc stands for; -1: it is another name. */
-static int find_open(const char *path)
-{
-	static const char *const folders[] = {"/dev/fd/", "/proc/self/fd/"};
-	char *end;
-	long fd = -1;
-
-	if (!strcmp(path, "/dev/stdout") || !strcmp(path, "/dev/stderr"))
-		return !strcmp(path, "/dev/stdout") ? STDOUT_FILENO : STDERR_FILENO;
-	for (size_t i = 0; i < sizeof folders / sizeof *folders; i++)
-		if (!strncmp(path, folders[i], strlen(folders[i]))) {
-			fd = strtol(path + strlen(folders[i]), &end, 10);
-			return *end || end == path + strlen(folders[i]) || fd < 0 || fd > INT_MAX ? -1 : (int)fd;
-		}
-	return -1;
 }
 
 /* Another end of an open file: what is there stays, and what is written follows. */
@@ -189,20 +260,35 @@ static FILE *open_again(int fd)
 
 int pending_is_in_place(const char *path)
 {
+	char target[PENDING_PATH];
 	struct stat st;
 
-	return find_open(path) >= 0 || (!stat(path, &st) && !S_ISREG(st.st_mode));
+	return (!pending_target(path, target) && find_open(target) >= 0) || (!stat(path, &st) && !S_ISREG(st.st_mode));
+}
+
+/* Begin *p: the file of the name, through links. */
+static enum rneagen_code begin(struct pending *p, const char *path, char target[PENDING_PATH], struct rneagen_error *e)
+{
+	int why = pending_target(path, target);
+
+	*p = (struct pending){.path = path};
+	errno = why;
+	return why ? pending_fail(path, e) : RNEAGEN_OK;
 }
 
 enum rneagen_code pending_open(struct pending *p, const char *path, struct rneagen_error *e)
 {
-	int fd = find_open(path);
+	char target[PENDING_PATH];
+	int fd;
 
-	*p = (struct pending){.path = path};
+	if (begin(p, path, target, e))
+		return e->code;
 	if (!pending_is_in_place(path)) {
-		p->temporary = join(path, ".XXXXXX");
+		p->target = strdup(target);
+		p->temporary = temporary_name(target);
 		return open_temporary(p, create, 1, e);
 	}
+	fd = find_open(target);
 	p->f = fd < 0 ? fopen(path, "wb") : open_again(fd);
 	return p->f ? RNEAGEN_OK : pending_fail(path, e);
 }
@@ -228,16 +314,27 @@ static FILE *take_part(char *name)
 	return f;
 }
 
+static enum rneagen_code open_part(
+	struct pending *p, const char *path, FILE *(*make)(char *), int stays, struct rneagen_error *e)
+{
+	char target[PENDING_PATH];
+
+	if (begin(p, path, target, e))
+		return e->code;
+	p->stays = stays;
+	p->target = strdup(target);
+	p->temporary = join(target, strlen(target), ".part");
+	return open_temporary(p, make, !stays, e);
+}
+
 enum rneagen_code pending_open_part(struct pending *p, const char *path, int keeps, struct rneagen_error *e)
 {
-	*p = (struct pending){.path = path, .temporary = join(path, ".part"), .stays = keeps};
-	return open_temporary(p, keeps ? take_part : create_part, !keeps, e);
+	return open_part(p, path, keeps ? take_part : create_part, keeps, e);
 }
 
 enum rneagen_code pending_watch_part(struct pending *p, const char *path, struct rneagen_error *e)
 {
-	*p = (struct pending){.path = path, .temporary = join(path, ".part")};
-	return open_temporary(p, take_part, 1, e);
+	return open_part(p, path, take_part, 0, e);
 }
 
 void pending_keep(struct pending *p)
@@ -271,7 +368,7 @@ enum rneagen_code pending_close(struct pending *p, struct rneagen_error *e)
 
 enum rneagen_code pending_publish(struct pending *p, struct rneagen_error *e)
 {
-	if (!p->temporary || !end_name(p, p->path))
+	if (!p->temporary || !end_name(p, 1))
 		return RNEAGEN_OK;
 	if (errno == ESTALE)
 		return error_set(e, RNEAGEN_WRITE, "%s: another run has begun to write it", p->path);
@@ -284,7 +381,6 @@ void pending_drop(struct pending *p)
 		fclose(p->f);
 	p->f = NULL;
 	if (p->temporary && !p->stays)
-		end_name(p, NULL);
-	free(p->temporary);
-	p->temporary = NULL;
+		end_name(p, 0);
+	free_names(p);
 }

@@ -1,22 +1,29 @@
 #ifndef RNEAGEN_PENDING_H
 #define RNEAGEN_PENDING_H
 /* Output files of the commands that appear whole or not at all: a file is written under a name of its own in the same
-   folder and takes its final name when it is complete. Devices and pipes, such as /dev/null, are written in place, and
-   so are open files by their names in /dev, such as /dev/stdout, whatever they are. A file that is still pending is
-   removed when SIGINT, SIGTERM or SIGHUP ends the program. */
+   folder and takes its final name when it is complete. Where that is a symbolic link, the file is the one that it leads to.
+   Devices and pipes, such as /dev/null, are written in place, and so are open files by their names in /dev, such as
+   /dev/stdout, whatever they are. A file that is still pending is removed when SIGINT, SIGTERM or SIGHUP ends the program. */
 
 #include "base/error.h"
 #include <stdio.h>
 #include <sys/types.h>
 
+enum { PENDING_PATH = 4096 }; /* bytes of a path, as the system has it */
+
 struct pending {
 	const char *path; /* the final name; the caller's, must outlive the file */
 	FILE *f;          /* to write to; NULL once closed */
 	char *temporary;  /* its name till then, malloc'ed; NULL if the file is written in place */
-	int stays;        /* private, as the rest: it is not removed */
+	char *target;     /* private, as the rest: what `path` leads to, malloc'ed; NULL as before */
+	int stays;        /* it is not removed */
 	dev_t device;
 	ino_t inode;
 };
+
+/* The file that a name stands for: where symbolic links lead, and what is there need not exist; or the name itself. Returns 0,
+   or the errno of links that lead to one another or to names that are too long. */
+int pending_target(const char *path, char target[PENDING_PATH]);
 
 /* Would a file of this name be written in place? */
 int pending_is_in_place(const char *path);
@@ -46,6 +53,9 @@ enum rneagen_code pending_publish(struct pending *p, struct rneagen_error *e);
 
 /* Remove the file, unless it was published; an empty *p is a no-op. */
 void pending_drop(struct pending *p);
+
+/* What else is to be removed when a signal ends the program, from now on: what the function does a handler may do. */
+void pending_also(void (*removes)(void));
 
 /* "PATH: cannot be written: " and what errno says. Error: WRITE. */
 enum rneagen_code pending_fail(const char *path, struct rneagen_error *e);

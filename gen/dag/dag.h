@@ -81,8 +81,8 @@ struct column_run {
 
 /* Where a loop's columns stand side by side in an array of their own: `rows` rows from row `first` of this argument on, with room
    for so many columns each; and from one row to the next in the output. No room: they stand in the output itself.
-   Of coordinates on their way back to the base `first` is the first one's place, `rows` are what each carries, and the array is of
-   `room` places for each row; or in a batch of `room` rows for each place. */
+   Of coordinates on their way back to the base `first` is the first one's place, `rows` are what each carries, and the array is
+   of `room` places for each row; or in a batch of `room` rows for each place. */
 struct column_room {
 	int argument, first, rows, room, pitch;
 	int is_batch;     /* each place has its rows together, and is of several samples */

@@ -57,7 +57,8 @@ static const struct eval_model *model_of(const struct node *n, const struct eval
 }
 
 /* Of a b + c: the products of errors, the product's own rounding, unless it is rounded with the sum, and the sum's. */
-static double local_of_joined(const struct eval_model *m, struct known a, struct known b, struct known c, double value, double *left_out)
+static double local_of_joined(
+	const struct eval_model *m, struct known a, struct known b, struct known c, double value, double *left_out)
 {
 	double product = fabs(a.x) * b.e + fabs(b.x) * a.e, local = a.e * b.e;
 	struct known p = {a.x * b.x, product + local};
@@ -68,14 +69,15 @@ static double local_of_joined(const struct eval_model *m, struct known a, struct
 	return local + rounding_of_sum(m, p, c, (struct known){value, p.e + c.e});
 }
 
-/* Magnitudes and error of a node from those of its operands x, y, z, whose values are a, b, c:
-   |fl(a+b) - (a'+b')| <= e_a + e_b + its rounding,  |fl(ab) - a'b'| <= |a| e_b + |b| e_a + e_a e_b + its rounding (eval_rounding.h). */
+/* Magnitudes and error of a node from those of its operands x, y, z, whose values are a, b, c (roundings: eval_rounding.h):
+   |fl(a+b) - (a'+b')| <= e_a + e_b + its rounding,  |fl(ab) - a'b'| <= |a| e_b + |b| e_a + e_a e_b + its rounding. */
 static struct spread spread_of(const struct survey *v, size_t i, struct given given, const struct eval_model *m)
 {
 	const struct node *n = &v->d->nodes[i];
 	const struct spread *x = &v->spread[operand(n, 0)], *y = &v->spread[operand(n, 1)], *z = &v->spread[operand(n, 2)];
 	const struct known a = {v->values[operand(n, 0)], x->bound}, b = {v->values[operand(n, 1)], y->bound};
-	double left_out = 0, value = v->values[i], local, sum = a.e + b.e, square = a.e * b.e, product = fabs(a.x) * b.e + fabs(b.x) * a.e;
+	double left_out = 0, value = v->values[i], local, sum = a.e + b.e, square = a.e * b.e,
+	       product = fabs(a.x) * b.e + fabs(b.x) * a.e;
 
 	switch (n->op) {
 	case OP_CONST:
@@ -293,7 +295,8 @@ static double stored_bound(const struct eval_model *m, double value, double boun
 
 	if (!(most <= m->store_largest))
 		return (double)INFINITY;
-	return m->store > 0 ? bound_closed(bound + rounding_of_result(m, m->store, (struct known){value, bound}) + m->store_tiny) : bound;
+	return m->store > 0 ? bound_closed(bound + rounding_of_result(m, m->store, (struct known){value, bound}) + m->store_tiny)
+			    : bound;
 }
 
 /* No less than they are already. */

@@ -4,7 +4,8 @@
 
 #include "base/within.h"
 
-/* How products of pairs of floats are made: with a fused multiply-add, by halves of the factors, or either way in all of a text. */
+/* How products of pairs of floats are made: with a fused multiply-add, by halves of the factors, or either way in all
+   of a text. */
 enum pair_products { PAIRS_EITHER, PAIRS_FUSED, PAIRS_BY_HALVES };
 
 struct eval_model {

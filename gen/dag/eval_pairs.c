@@ -1,6 +1,6 @@
-/* A pair is its value rounded to a float, hi, and a rest lo. What sums and products of pairs take is of the size of the rests, which are
-   anything up to u |x|, u = 2^-24. Unless a value is so close to the middle between two floats that its error decides, hi is known, and lo but
-   for that error; then so is all that is rounded, step by step, as f32x2.in computes it. */
+/* A pair is its value rounded to a float, hi, and a rest lo. What sums and products of pairs take is of the size of the rests,
+   which are anything up to u |x|, u = 2^-24. Unless a value is so close to the middle between two floats that its error decides,
+   hi is known, and lo but for that error; then so is all that is rounded, step by step, as f32x2.in computes it. */
 #include "dag/eval_pairs.h"
 #include <float.h>
 #include <math.h>
@@ -15,8 +15,8 @@ struct pair {
 	double hi, lo, off;
 };
 
-/* Returns whether hi is certain: the last rounding of a product's rest, by up to 3.01 u^2, and of lo, by up to 1.01 u^2, comes after
-   hi; and hi is rounded without what the product leaves out, and after its cross terms are. */
+/* Returns whether hi is certain: the last rounding of a product's rest, by up to 3.01 u^2, and of lo, by up to 1.01 u^2, comes
+   after hi; and hi is rounded without what the product leaves out, and after its cross terms are. */
 static int pair_of(struct known a, struct pair *p)
 {
 	double size = fabs(a.x), half;
@@ -43,8 +43,8 @@ static double float_rounding(double most)
 	return U * rounding_place(most * (1 + DBL_EPSILON));
 }
 
-/* t = fl(a.lo + b.lo), lo = fl(s_low + t). The last step is exact, also where s is less than lo: s is then one unit in the last place of a.hi
-   or b.hi, and of the same power of two as lo. */
+/* t = fl(a.lo + b.lo), lo = fl(s_low + t). The last step is exact, also where s is less than lo: s is then one unit in the last
+   place of a.hi or b.hi, and of the same power of two as lo. */
 double pairs_sum(struct known a, struct known b)
 {
 	struct pair p, q;
@@ -74,8 +74,8 @@ static double rounding_of_crossed(const struct crossed *c, double before)
 	return before + (c->are_two ? float_rounding(fabs(c->one + c->other) + c->off + before) : 0);
 }
 
-/* With a fused multiply-add: t = fl(a.hi b.lo + fl(a.lo b.hi)), hi = fl(a.hi b.hi + t), rest = fl(a.hi b.hi - hi), lo = fl(rest + t).
-   hi is the product rounded to a float; what is left out of rest is known, with its sign. */
+/* With a fused multiply-add: t = fl(a.hi b.lo + fl(a.lo b.hi)), hi = fl(a.hi b.hi + t), rest = fl(a.hi b.hi - hi), lo = fl(rest +
+   t). hi is the product rounded to a float; what is left out of rest is known, with its sign. */
 static double product_by_fma(double product, const struct crossed *c, double hi, double *left_out)
 {
 	double rest = (double)(float)(product - hi);
@@ -121,8 +121,8 @@ double pairs_head(double x)
 	return x;
 }
 
-/* What a text has for x, which it knows but for `off`, rounded to a float; mostly that is certain, and then the error is forgotten.
-   OWN twice: x and the two ends are rounded. */
+/* What a text has for x, which it knows but for `off`, rounded to a float; mostly that is certain, and then the error is
+   forgotten. OWN twice: x and the two ends are rounded. */
 static struct known rounded(double x, double off)
 {
 	double most = off + 2 * OWN * fabs(x), low = (double)(float)(x - most), high = (double)(float)(x + most);
@@ -221,7 +221,8 @@ static struct pair reduce(double x, double k)
 	return add_last(y, (float)k, (float)(x - head - middle));
 }
 
-/* The end of a polynomial, x, is computed in floats: with at most five roundings, that of a compiler that joins it to the sum among them. */
+/* The end of a polynomial, x, is computed in floats: with at most five roundings, that of a compiler that joins it to the sum
+   among them. */
 static struct pair begun(double first, double x)
 {
 	struct known sum = {first + x, 5 * U * fabs(x) + 4 * U * U * (fabs(first) + fabs(x))};
@@ -246,7 +247,8 @@ static struct pair sine_of(const struct eval_model *m, struct pair r)
 
 static struct pair cosine_of(const struct eval_model *m, struct pair r)
 {
-	static const double by[] = {0x1.a01a02p-16 - 0x1.8dc3bep-42, -0x1.6c16c2p-10 + 0x1.27d5fcp-35, 0x1.555556p-5 - 0x1.555554p-30, -0.5, 1};
+	static const double by[] = {
+		0x1.a01a02p-16 - 0x1.8dc3bep-42, -0x1.6c16c2p-10 + 0x1.27d5fcp-35, 0x1.555556p-5 - 0x1.555554p-30, -0.5, 1};
 	struct pair z = multiply(m, r, r), p = begun(by[0], ((-0x1.8fa59p-37 * z.hi + 0x1.1ee9dap-29) * z.hi - 0x1.27e4f8p-22) * z.hi);
 
 	for (int k = 1; k < 5; k++)

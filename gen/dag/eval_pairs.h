@@ -1,7 +1,7 @@
 #ifndef RNEAGEN_EVAL_PAIRS_H
 #define RNEAGEN_EVAL_PAIRS_H
-/* What operations on pairs of floats (templates/arithmetic/f32x2.in, sincos/sincos_f32x2_core.in) take at known values; INFINITY where too little
-   is known. */
+/* What operations on pairs of floats (templates/arithmetic/f32x2.in, sincos/sincos_f32x2_core.in) take at known values; INFINITY
+   where too little is known. */
 
 #include "dag/eval_rounding.h"
 

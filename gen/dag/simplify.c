@@ -91,15 +91,15 @@ struct ref dag_const_lanes(struct dag *d, struct dag_lanes x)
 	return r;
 }
 
-struct ref dag_pack(struct dag *d, const struct ref each[DAG_LANES])
+struct ref dag_pack(struct dag *d, const struct ref x[DAG_LANES])
 {
 	if (d->failed)
 		return NONE;
-	if (ref_equal(each[0], each[1]) && (d->width == 2 || (ref_equal(each[0], each[2]) && ref_equal(each[0], each[3]))))
-		return each[0];
+	if (ref_equal(x[0], x[1]) && (d->width == 2 || (ref_equal(x[0], x[2]) && ref_equal(x[0], x[3]))))
+		return x[0];
 	if (d->width == 2)
-		return dag_node(d, OP_PACK, each[0], each[1], NONE, 0);
-	return dag_node(d, OP_PACK, dag_node(d, OP_PAIR, each[0], each[1], NONE, 0), dag_node(d, OP_PAIR, each[2], each[3], NONE, 0), NONE, 0);
+		return dag_node(d, OP_PACK, x[0], x[1], NONE, 0);
+	return dag_node(d, OP_PACK, dag_node(d, OP_PAIR, x[0], x[1], NONE, 0), dag_node(d, OP_PAIR, x[2], x[3], NONE, 0), NONE, 0);
 }
 
 struct ref dag_lane(struct dag *d, struct ref lanes, int lane)

@@ -105,7 +105,8 @@ static enum rneagen_code make_box(struct dropping *p)
 			put_missing(p, i, is_read[i], &missing);
 	if (missing.length && !missing.failed)
 		return error_set(p->e, RNEAGEN_SCENE,
-			"no limit is known of %.400s: give --range NAME=LOWER,UPPER for each, or FRACTION:sampled, which proves nothing", text_string(&missing));
+			"no limit is known of %.400s: give --range NAME=LOWER,UPPER for each, or FRACTION:sampled, which proves nothing",
+			text_string(&missing));
 	for (int i = 0; i < d->argument_count; i++)
 		if (draw_array(&p->inputs, &d->arguments[i]) && !take_bounds(p, i))
 			return error_memory(p->e);
@@ -193,7 +194,8 @@ static enum rneagen_code bound_outputs(struct dropping *p)
 		slopes += p->d->outputs[i].value.i;
 	if (slopes > MOST_SLOPES)
 		return error_set(p->e, RNEAGEN_LIMIT,
-			"%zu outputs of so many operations are too many for a proof: ask for fewer, or give FRACTION:sampled, which proves nothing", p->d->output_count);
+			"%zu outputs of so many operations are too many for a proof: ask for fewer, or give FRACTION:sampled, which proves nothing",
+			p->d->output_count);
 	for (size_t i = 1; i < p->d->count; i++)
 		p->size[i] = (double)INFINITY;
 	for (size_t i = 0; i < p->d->output_count; i++)

@@ -9,10 +9,10 @@
 
 struct build;
 
-/* By row of qd, the first of those whose columns one loop solves; -1: none does. On a processor a loop's columns of both gradients
-   stand side by side in an array of their own, as a compiler's vectors want them, and are copied from there; `rooms`, by that first
-   row, says where. For batches, and in a relay, they make the columns in place, in the matrices, and are of columns that d tau leaves
-   zero in the same rows. In a relay each kernel reads what the one before has written, qdd too. */
+/* By row of qd, the first of those whose columns one loop solves; -1: none does. On a processor a loop's columns of both
+   gradients stand side by side in an array of their own, as a compiler's vectors want them, and are copied from there; `rooms`,
+   by that first row, says where. For batches, and in a relay, they make the columns in place, in the matrices, and are of columns
+   that d tau leaves zero in the same rows. In a relay each kernel reads what the one before has written, qdd too. */
 struct loops {
 	int *first;
 	int is_in_place;
@@ -53,8 +53,8 @@ void opspace_outputs(struct build *b, struct joint_inputs in);
 /* qdd + M^-1 (tau - ID(q, qd, qdd)) in place of x->qdd; `in` as for forward_find. */
 void refine_step(struct forward *x, struct joint_inputs in);
 
-/* Of either way, as an output "pivots": a number of D and the element of M's diagonal that it is left of, for each row of qd; then
-   six such pairs of each opspace that is wanted. `in` says where q is. */
+/* Of either way, as an output "pivots": a number of D and the element of M's diagonal that it is left of, for each row of qd;
+   then six such pairs of each opspace that is wanted. `in` says where q is. */
 void forward_pivots(const struct forward *x, struct joint_inputs in);
 int forward_pivot_count(const struct tree *t, const struct request *k);
 

@@ -1,5 +1,4 @@
 #include "dynamics/registry.h"
-#include <string.h>
 
 #define ALGORITHM_ADDRESS(name) &algorithm_##name,
 const struct algorithm *const ALGORITHMS[ALGORITHM_COUNT] = {ALGORITHM_LIST(ALGORITHM_ADDRESS)};
@@ -13,14 +12,6 @@ int algorithms_for(const struct request *k, const struct algorithm *found[ALGORI
 		if (ALGORITHMS[i]->is_made_for(k))
 			found[count++] = ALGORITHMS[i];
 	return count;
-}
-
-const struct algorithm *algorithm_find(const char *name)
-{
-	for (int i = 0; i < ALGORITHM_COUNT; i++)
-		if (!strcmp(ALGORITHMS[i]->name, name))
-			return ALGORITHMS[i];
-	return NULL;
 }
 
 static int rows_of(enum role role, const struct tree *t)

@@ -54,16 +54,13 @@ extern const struct algorithm *const ALGORITHMS[ALGORITHM_COUNT];
 /* Those in the text of a request, in order; returns their count. */
 int algorithms_for(const struct request *k, const struct algorithm *found[ALGORITHM_COUNT]);
 
-/* By its name; NULL: there is none. */
-const struct algorithm *algorithm_find(const char *name);
-
 /* What loops over columns serve: one sample on a processor; the same, coordinates side by side in lanes; batches there; a
    relay. */
 enum looped { LOOPED_SINGLE, LOOPED_LANES, LOOPED_BATCH, LOOPED_RELAY };
 
-/* The DAG of the main function once more, with its derivatives of qdd by loops over their columns: for processors, whose vectors then
-   take several columns of a sample; or as a relay, for kernels that go on from what the one before has written: outputs that are made
-   of qdd read it back. Returns 0, and leaves the DAG empty, where that does not serve the request, or is no gain. */
+/* The DAG of the main function once more, with its derivatives of qdd by loops over their columns: for processors, whose vectors
+   then take several columns of a sample; or as a relay, for kernels that go on from what the one before has written: outputs that
+   are made of qdd read it back. Returns 0, and leaves the DAG empty, where that does not serve the request, or is no gain. */
 int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k, enum looped use);
 
 /* The same, with gradients of the torques in loops over the coordinates beyond each body: for long chains. */

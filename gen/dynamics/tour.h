@@ -25,8 +25,8 @@ struct tour {
 	struct joint_inputs in;
 	int f_in, v_out, a_out, f_out, tau_out; /* arguments; -1: not there */
 	int comes_back;                         /* also without tau_out */
-	struct ref *eased;                      /* rows of qdd, to be found on the way out: no body's dw has a part along its joint's axis;
-	                                           NULL: qdd is what in.qdd says */
+	struct ref *eased;                      /* rows of qdd, to be found on the way out: no body's dw has a part along its
+	                                           joint's axis; NULL: qdd is what in.qdd says */
 	int at_rest;                            /* velocities and accelerations are zero */
 	const struct ref *gravity;              /* three; NULL: the tree's */
 	struct parameters *const *parameters;   /* by body, of those whose parameters are no numbers; NULL: none */

@@ -219,8 +219,9 @@ static void put_function_of(const struct emission *e, const struct function *p, 
 	emit_lanes_call_bodies(e, p, out);
 }
 
-/* Without AVX four doubles are two vectors. Zen 5, one call over that without lanes, by operations in lanes: torques on the ground,
-   hyq, 168, 1.12, go1, 157, 1.20; qdd, 225 and 201, 1.05 and 1.07; torques of a floating go1, 370, 0.88; gradients of hyq, 520, 0.47. */
+/* Without AVX four doubles are two vectors. Zen 5, one call over that without lanes, by operations in lanes: torques on the
+   ground, hyq, 168, 1.12, go1, 157, 1.20; qdd, 225 and 201, 1.05 and 1.07; torques of a floating go1, 370, 0.88; gradients of
+   hyq, 520, 0.47. */
 enum { LEAST_WITHOUT_AVX = 300 };
 
 static const char *lanes_need(const struct emission *e)

@@ -42,7 +42,8 @@ static inline const struct function *emit_main(const struct emission *e)
 	return e->functions;
 }
 
-/* What a kernel computes in each place along y of its grid: the main function, or a part of it; how many such places there are. */
+/* What a kernel computes in each place along y of its grid: the main function, or a part of it; how many such
+   places there are. */
 static inline const struct function *emit_part(const struct emission *e, int part)
 {
 	return e->part_count ? &e->parts[part].function : emit_main(e);
@@ -98,7 +99,8 @@ static inline const struct each *emit_loops(const struct emission *e)
 	return e->part_count && e->parts->function.each ? e->parts->function.each->loops : NULL;
 }
 
-/* Samples of a block up to which each limb has threads of its own; 0: all are turns of a loop. A launch's factor for its threads, or nothing. */
+/* Samples of a block up to which each limb has threads of its own; 0: all are turns of a loop. A launch's factor for its
+   threads, or nothing. */
 static inline int emit_each_block(const struct emission *e)
 {
 	return emit_loops(e) ? emit_loops(e)->most_block : 0;
@@ -214,9 +216,9 @@ const char *emit_joints(const struct emission *e);
 /* What can stand in a string of C, whatever `s` holds. */
 void emit_literal(const char *s, size_t length, struct text *out);
 
-/* A function's arguments as parameters (SIZED: of one sample, with their rows, so that compilers see arrays that are too short; FIRST: of
-   a segment, at the first of its samples), as their names, as addresses, out of
-   an array of pointers, or moved on to sample k of a batch. */
+/* A function's arguments as parameters (SIZED: of one sample, with their rows, so that compilers see arrays that are too short;
+   FIRST: of a segment, at the first of its samples), as their names, as addresses, out of an array of pointers, or moved on to
+   sample k of a batch. */
 enum params {
 	PARAMS_PLAIN, PARAMS_SIZED, PARAMS_FIRST, PARAMS_RESTRICT, PARAMS_CUDA_RESTRICT, PARAMS_NAMES, PARAMS_ADDRESSES, PARAMS_ARRAYS,
 	PARAMS_AT_SAMPLE
@@ -244,7 +246,8 @@ int emit_has_batches(const struct emission *e);
 /* Mark the arguments that these lines read or write. Returns whether they need the stride from row to row. */
 int emit_mark_arguments(const struct plan *p, unsigned char *used);
 
-/* What a segment reads and writes: these arguments, and of what goes across, wide or not, whether any, and whether beyond the first. */
+/* What a segment reads and writes: these arguments, and of what goes across, wide or not, whether any, and whether beyond the
+   first. */
 struct touched {
 	unsigned char arguments[DAG_ARGUMENTS + DAG_LOOPS];
 	int across[2], step, stride;
@@ -276,13 +279,15 @@ void emit_lanes_call_bodies(const struct emission *e, const struct function *p, 
 void emit_lanes_call(const struct emission *e, const struct function *p, struct text *out);
 /* What the function of one sample does. */
 const char *emit_one_call(const struct emission *e, const struct function *p);
-/* The function of one sample, with any angles, that batches call: its name, and its text where it is not the body. */
+/* The function of one sample, with any angles, that batches call: its name; its text where it is not the body, alone or after a
+   comment. */
 const char *emit_any_name(const struct emission *e, const struct function *p);
+const char *emit_any(const struct emission *e, const struct function *p);
 void emit_put_any(const struct emission *e, const struct function *p, struct text *out);
 
 /* The arrays of what goes across cuts, or the one that there is: as parameters; the same where compilers are to know that they
-   overlap nothing; as those of a segment, for its first sample; their names; their declarations with room for a sample, or for some
-   lanes; in a kernel, for all threads; where a thread's sample has them. And bytes of a sample. */
+   overlap nothing; as those of a segment, for its first sample; their names; their declarations with room for a sample, or for
+   some lanes; in a kernel, for all threads; where a thread's sample has them. And bytes of a sample. */
 enum across_form { ACROSS_PARAMETER, ACROSS_RESTRICT, ACROSS_FIRST, ACROSS_NAME, ACROSS_LOCAL, ACROSS_LANES, ACROSS_SHARED,
 	ACROSS_AT_THREAD };
 const char *emit_across(const struct emission *e, const struct segments *s, enum across_form form);
@@ -291,17 +296,17 @@ int emit_across_bytes(const struct emission *e, const struct segments *s);
 /* How many samples a segment runs for. */
 int emit_lanes(const struct emission *e, const struct segments *s);
 
-/* Does a kernel of this function store the elements of matrices that are always zero in a loop, beside the statements? Is this the
-   store of one? Where the statements of a function have them apart, under which condition; NULL: among the others. What the loops of
-   the first function call, and the loops: every `step`th run, from the number `first` on. */
+/* Does a kernel of this function store the elements of matrices that are always zero in a loop, beside the statements? Is this
+   the store of one? Where the statements of a function have them apart, under which condition; NULL: among the others. What the
+   loops of the first function call, and the loops: every `step`th run, from the number `first` on. */
 int emit_has_zeros(const struct emission *e, const struct function *p);
 int emit_is_zero_store(const struct plan *p, const struct line *l);
 const char *emit_zeros_unless(const struct emission *e, const struct function *p, int is_beside);
 void emit_zeros(const struct emission *e, struct text *out);
 const char *emit_zero_loops(const struct emission *e, const char *first, const char *step);
 
-/* `{10, 7}, {18, 2}`: the rows of an array that these outputs leave always zero, from a row on so many. Returns how many such runs
-   there are. */
+/* `{10, 7}, {18, 2}`: the rows of an array that these outputs leave always zero, from a row on so many. Returns how many such
+   runs there are. */
 int emit_zero_runs(const struct emission *e, const struct dag *d, const struct output *outputs, size_t count, int argument,
 	struct text *out);
 
@@ -361,8 +366,8 @@ const char *emit_unknown_names(const struct emission *e);
 /* Such names behind the other arguments of a call: nothing where bodies take none. */
 const char *emit_handed_on(const struct emission *e, const char *names);
 
-/* `known` and the tables that a function has, after it was declared by emit_rounds: a kernel's loops over the segments, and again for
-   each sample of which an angle is large. */
+/* `known` and the tables that a function has, after it was declared by emit_rounds: a kernel's loops over the segments, and again
+   for each sample of which an angle is large. */
 const char *emit_known_tables(const struct emission *e, const struct function *p);
 void emit_rounds(const struct emission *e, const struct function *p, const char *loops, struct text *out);
 
@@ -370,7 +375,8 @@ void emit_rounds(const struct emission *e, const struct function *p, const char 
 const char *emit_is_small(const struct emission *e);
 void emit_part_small(const struct emission *e, const struct part *part, struct text *out);
 
-/* Does each part for matrices ask of the rows that it reads alone? The functions that do; the one that asks for a block's part. */
+/* Does each part for matrices ask of the rows that it reads alone? The functions that do; the one that asks for
+   a block's part. */
 int emit_asks_by_parts(const struct emission *e);
 void emit_parts_small(const struct emission *e, int is_alone, struct text *out);
 void emit_part_asks(const struct emission *e, struct text *out);

@@ -310,8 +310,8 @@ const char *emit_call(const struct emission *e, const struct function *p, const 
 		return call_expanded(e, p, e->target->kernel->again, "", c);
 	text_init(&asked, e->arena);
 	text_printf(&asked, e->target->kernel ? "!%s%s%s_is_small(%s, %s%s%s)" : "RNEA_KNOWN(%s%s%s_is_small(%s, %s%s%s))",
-		e->options->name, is_own ? "_" : "", is_own ? p->algorithm->name : "", c->q, c->q_stride ? c->q_stride : c->stride, has_gap ? ", " : "",
-		has_gap ? emit_gap(e, p, c->is_staged) : "");
+		e->options->name, is_own ? "_" : "", is_own ? p->algorithm->name : "", c->q,
+		c->q_stride ? c->q_stride : c->stride, has_gap ? ", " : "", has_gap ? emit_gap(e, p, c->is_staged) : "");
 	return call_expanded(e, p, template_call_known_in, text_string(&asked), c);
 }
 

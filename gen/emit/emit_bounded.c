@@ -210,7 +210,8 @@ static const char *angle_text(const struct emission *e)
 static const char *store_text(const struct emission *e)
 {
 	if (e->memory != e->arithmetic)
-		return "(float)((e + 0x1p-24*rneagen_sweptf_place(fabs(all[results[i]].x)*(1 + 0x1p-51) + all[results[i]].e))*(1 + 0x1p-22) + 0x1p-148)";
+		return "(float)((e + 0x1p-24*rneagen_sweptf_place(fabs(all[results[i]].x)*(1 + 0x1p-51) + all[results[i]].e))*(1 + "
+			"0x1p-22) + 0x1p-148)";
 	return e->memory == &SCALAR_F32 ? "(float)(e > 0 ? e*(1 + 0x1p-22) + 0x1p-149 : e)" : "e*(1 + 0x1p-50)";
 }
 

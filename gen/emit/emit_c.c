@@ -36,13 +36,21 @@ const char *emit_any_name(const struct emission *e, const struct function *p)
 	return emit_has_known(e) || p->segments.count ? "any" : "body";
 }
 
-void emit_put_any(const struct emission *e, const struct function *p, struct text *out)
+const char *emit_any(const struct emission *e, const struct function *p)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
-		{"WHATEVER", emit_has_known(e) ? ", whatever its angles" : ""},
+		{"INLINE", e->target->has_batches ? "" : "inline "},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"CALL_ANY", emit_call_any(e, p)}};
+	struct text t;
 
-	template_expand(out, template_any_in, slots, sizeof slots / sizeof *slots);
+	text_init(&t, e->arena);
+	template_expand(&t, template_any_in, slots, sizeof slots / sizeof *slots);
+	return text_string(&t);
+}
+
+void emit_put_any(const struct emission *e, const struct function *p, struct text *out)
+{
+	text_printf(out, "/* One sample%s. */\n%s\n", emit_has_known(e) ? ", whatever its angles" : "", emit_any(e, p));
 }
 
 /* What the function of one sample does: the body itself where nothing else calls it. */

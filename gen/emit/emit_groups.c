@@ -136,10 +136,12 @@ static const char *many_text(const struct emission *e, const struct function *p,
 static void put_group(const struct emission *e, const struct function *p, struct text *out)
 {
 	int is_short = plan_flops(plan_operations(&p->plan)) <= SHORT_FLOPS;
-	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"GROUP", emit_int(e, group_of(e, p))},
-		{"WHERE_SMALL", where_small(e)}, {"VECTORS", is_short ? "RNEA_VECTORS " : ""}, {"LOOP", is_short ? "RNEA_LOOP" : "RNEA_ALONE"},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
+		{"GROUP", emit_int(e, group_of(e, p))}, {"WHERE_SMALL", where_small(e)},
+		{"VECTORS", is_short ? "RNEA_VECTORS " : ""}, {"LOOP", is_short ? "RNEA_LOOP" : "RNEA_ALONE"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
-		{"COUNT_PARAM", emit_count_param(emit_groups_layout(e, p))}, {"AT_SAMPLE", emit_at_sample(e, p, emit_groups_layout(e, p))},
+		{"COUNT_PARAM", emit_count_param(emit_groups_layout(e, p))},
+		{"AT_SAMPLE", emit_at_sample(e, p, emit_groups_layout(e, p))},
 		{"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
 
 	if (p->segments.count)
@@ -185,11 +187,12 @@ static const char *moves(const struct emission *e, const struct function *p, int
 
 static void put_few(const struct emission *e, const struct function *p, struct text *out)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"GROUP", emit_int(e, group_of(e, p))},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
+		{"GROUP", emit_int(e, group_of(e, p))},
 		{"WHAT", is_soa(e) ? "Fewer samples than a group has" : "Some samples, turned to [row][sample]"},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", emit_count_param(e->options->layout)},
-		{"ARRAYS", few_arrays(e, p)}, {"FEW_NAMES", few_names(e, p)}, {"GATHER", moves(e, p, 0)}, {"SCATTER", moves(e, p, 1)},
-		{"ROOM", emit_int(e, room_of(e, p))}, {"SAMPLES", many_text(e, p, "samples")}};
+		{"ARRAYS", few_arrays(e, p)}, {"FEW_NAMES", few_names(e, p)}, {"GATHER", moves(e, p, 0)},
+		{"SCATTER", moves(e, p, 1)}, {"ROOM", emit_int(e, room_of(e, p))}, {"SAMPLES", many_text(e, p, "samples")}};
 
 	template_expand(out, template_few_in, slots, sizeof slots / sizeof *slots);
 }
@@ -242,7 +245,8 @@ static const char *whole_groups(const struct emission *e, const struct function 
 	struct text t;
 
 	text_init(&t, e->arena);
-	template_expand(&t, angles_argument(e, p) >= 0 ? template_part_small_in : template_part_any_in, slots, sizeof slots / sizeof *slots);
+	template_expand(&t, angles_argument(e, p) >= 0 ? template_part_small_in : template_part_any_in, slots,
+		sizeof slots / sizeof *slots);
 	return text_string(&t);
 }
 
@@ -265,12 +269,12 @@ static void put_part(const struct emission *e, const struct function *p, const c
 	text_init(&back, e->arena);
 	text_printf(&back, "end - %s", group);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"GROUP", group},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", emit_count_param(e->options->layout)}, {"COUNT", count_text(e)},
-		{"LAST_IS_SMALL", and_small(e, p, text_string(&back))}, {"IS_SMALL", and_small(e, p, "first")},
-		{"SMALL", small_text(e, p, "first", "end")},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", emit_count_param(e->options->layout)},
+		{"COUNT", count_text(e)}, {"LAST_IS_SMALL", and_small(e, p, text_string(&back))},
+		{"IS_SMALL", and_small(e, p, "first")}, {"SMALL", small_text(e, p, "first", "end")},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ONE_GROUP", many_text(e, p, group)}, {"ELSE_FEW", else_few(e, p)},
-		{"ANY", emit_any_name(e, p)}, {"AT_SAMPLE", emit_at_sample(e, p, e->options->layout)}, {"NEXT", next_text(e, p)}, {"PART", whole_groups(e, p)},
-		{"ROOM", emit_int(e, room_of(e, p))}, {"AT_A_TIME", emit_int(e, AT_A_TIME)},
+		{"ANY", emit_any_name(e, p)}, {"AT_SAMPLE", emit_at_sample(e, p, e->options->layout)}, {"NEXT", next_text(e, p)},
+		{"PART", whole_groups(e, p)}, {"ROOM", emit_int(e, room_of(e, p))}, {"AT_A_TIME", emit_int(e, AT_A_TIME)},
 		{"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
 
 	template_expand(out, frame, slots, sizeof slots / sizeof *slots);

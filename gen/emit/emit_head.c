@@ -68,7 +68,7 @@ static void put_command(const struct emission *e, struct text *out)
 {
 	const struct rneagen_options *o = e->options;
 
-	text_put(out, "rneagen ");
+	text_printf(out, "rneagen %s", text_before_file(base_name(o->file)));
 	put_word(e, base_name(o->file), 0, out);
 	emit_options(o, out);
 	if (o->order) {

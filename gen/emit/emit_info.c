@@ -98,8 +98,8 @@ static void put_function(const struct emission *e, const struct function *p, str
 		put_limbs(e, "start_limbs", emit_start_limbs(e), out);
 }
 
-/* What knows no relays, no hands, no parts of a relay's first kernel, no more than one kernel for hands, or no threads of a sample, is not
-   to launch some of the kernels alone, a part, or half of the threads. */
+/* What knows no relays, no hands, no parts of a relay's first kernel, no more than one kernel for hands, or no threads of a
+   sample, is not to launch some of the kernels alone, a part, or half of the threads. */
 enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS, VERSION_STARTS, VERSION_LEVELS, VERSION_THREADS };
 
 static int version_of(const struct emission *e)

@@ -203,7 +203,8 @@ static void put_parts(const struct emission *e, struct text *out)
 	if (has_part(e, has_period))
 		put_entry("skip", "from one row of the vjp to its next for qd, or qdd, where it stands where these were", out);
 	if (emit_loops(e))
-		put_entry("each ..._each", "in a loop over limbs that are alike, which of them it is; an array where the limb's rows begin", out);
+		put_entry("each ..._each",
+			"in a loop over limbs that are alike, which of them it is; an array where the limb's rows begin", out);
 }
 
 static void put_segments(const struct emission *e, struct text *out)
@@ -266,14 +267,16 @@ static void put_symbols(const struct emission *e, struct text *out)
 {
 	if (emit_is_operation(e))
 		return;
-	text_put(out, " * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;\n"
-		      " * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the\n"
-		      " * origin; M, in sections at rest, the mass from the link on; += what each child adds.\n");
+	text_put(out,
+		" * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;\n"
+		" * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the\n"
+		" * origin; M, in sections at rest, the mass from the link on; += what each child adds.\n");
 }
 
 void emit_legend(const struct emission *e, struct text *out)
 {
-	text_put(out, " *\n * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.\n");
+	text_put(out,
+		" *\n * Names in the statements: a quantity, the number of a link, and x y z for the component in the link's frame.\n");
 	put_inputs(e, out);
 	put_quantities(e, out);
 	put_functions(e, out);

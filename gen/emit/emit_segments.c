@@ -357,7 +357,7 @@ void emit_lanes_call(const struct emission *e, const struct function *of, struct
 	put_one_functions(e, p, &functions);
 	put_one_body(e, p, &body);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"CALL_ANY", emit_call_any(e, p)},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"ANY", emit_any(e, p)},
 		{"INLINE", e->target->has_batches ? "" : "inline "},
 		{"FUNCTIONS", text_string(&functions)}, {"ONE_BODY", text_string(&body)}};
 

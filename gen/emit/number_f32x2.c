@@ -75,8 +75,8 @@ const struct number_type WIDE_F32X2 = {.memory = &SCALAR_F64, .arithmetic = &SCA
 	.put_cheaper = put_product_by_float, .put_functions = put_functions, .frames = &SINCOS_PAIR};
 
 /* Sine and cosine of a large angle need all of its bits: they take a double. The bounds of the model are those that
-   templates/arithmetic/f32x2.in and sincos/sincos_f32x2_core.in state; tests/test_f32x2 holds them against MPFR. Factors are split into
-   halves by 4097, which must not overflow. */
+   templates/arithmetic/f32x2.in and sincos/sincos_f32x2_core.in state; tests/test_f32x2 holds them against MPFR. Factors are
+   split into halves by 4097, which must not overflow. */
 const struct number_type NUMBER_F32X2 = {.memory = &SCALAR_F64, .arithmetic = &SCALAR_F32X2,
 	.value = "struct rneagen_f32x2", .calls = CALLS, .sincos = "rneagen_sincos_f32x2_", .load = {"rneagen_split(", ")"},
 	.store = {"rneagen_join(", ")"}, .angle = {"rneagen_join(", ")"}, .angle_is_memory = 1, .put_constant = put_constant,

@@ -95,12 +95,12 @@ static void put_reciprocals(const struct emission *e, struct text *out)
 }
 
 /* 0.85 units in the last place are 1.7 of rounding. No result of sine and cosine underflows but for tiny angles. */
-#define MODEL_F32                                                                                                      \
-	.add = 0x1p-24, .mul = 0x1p-24, .quotient = 0x1.00002p-24, .tiny = 0x1p-150, .largest = (double)FLT_MAX, .sincos = 1.7 * 0x1p-24, .sine = 0x1p-149, \
-	.constant = round_f32
-#define MODEL_F64                                                                                                      \
-	.add = 0x1p-53, .mul = 0x1p-53, .quotient = 0x1p-53, .tiny = 0x1p-1072, .largest = DBL_MAX, .sincos = 1.7 * 0x1p-53, .sine = 0x1p-1072, \
-	.constant = round_f64
+#define MODEL_F32                                                                                                \
+	.add = 0x1p-24, .mul = 0x1p-24, .quotient = 0x1.00002p-24, .tiny = 0x1p-150, .largest = (double)FLT_MAX, \
+	.sincos = 1.7 * 0x1p-24, .sine = 0x1p-149, .constant = round_f32
+#define MODEL_F64                                                                                                            \
+	.add = 0x1p-53, .mul = 0x1p-53, .quotient = 0x1p-53, .tiny = 0x1p-1072, .largest = DBL_MAX, .sincos = 1.7 * 0x1p-53, \
+	.sine = 0x1p-1072, .constant = round_f64
 
 const struct number_type NUMBER_F32 = {.memory = &SCALAR_F32, .arithmetic = &SCALAR_F32, .value = "float",
 	.calls = CALLS_F32, .strict_calls = STRICT_CALLS_F32, .sincos = "rneagen_sincosf_",

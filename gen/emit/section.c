@@ -43,32 +43,42 @@ static const char *const TORQUE[JOINT_KINDS] = {[TURNS] = ";  tau = z.n", [SLIDE
 
 static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driver += multiplier tau of each follower",
 	[SECTION_TOTALS] = "power = qd.tau;  kinetic = sum of (v.(m v + 2 w x h) + w.I w)/2",
-	[SECTION_BIAS] = "bias = ID(q, qd, 0)", [SECTION_GRAVITY] = "gravity = ID(q, 0, 0);  potential = -g.mc of all that moves",
+	[SECTION_BIAS] = "bias = ID(q, qd, 0)",
+	[SECTION_GRAVITY] = "gravity = ID(q, 0, 0);  potential = -g.mc of all that moves",
 	[SECTION_BY] = "column j, or row j, of d tau/d q, d tau/d qd and M = d tau/d qdd, for the rows j of the joint",
-	[SECTION_FACTORS] = "qdd_0 above: z.dw = 0 of joints that turn;  M = L'D L;  L'y = tau - ID(q, qd, qdd_0);  L (qdd - qdd_0) = y/D",
-	[SECTION_ARTICULATED] = "U = I S, D = S'U, I_p += R (I - U U'/D) R' on the way back above;  now back:\n\t   "
+	[SECTION_FACTORS] =
+		"qdd_0 above: z.dw = 0 of joints that turn;  M = L'D L;  L'y = tau - ID(q, qd, qdd_0);  L (qdd - qdd_0) = y/D",
+	[SECTION_ARTICULATED] =
+		"U = I S, D = S'U, I_p += R (I - U U'/D) R' on the way back above;  now back:\n\t   "
 		"u = tau - ID(q, qd, qdd_0) - S'p, p_p += R (p + U u/D);  and out: d = (u - U'a)/D, a = R'a_p + S d;  qdd = qdd_0 + d,\n\t   "
 		"with qdd_0 above: z.dw = 0 of joints that turn",
 	[SECTION_INVERSE] = "L Minv = D^-1 L'^-1, or as qdd - qdd_0 from the columns of 1 for tau - ID",
-	[SECTION_BOUND] = "with X near M^-1, d and e how far r and M may be off by rounding, and E >= |I - X M|:\n\t   "
+	[SECTION_BOUND] =
+		"with X near M^-1, d and e how far r and M may be off by rounding, and E >= |I - X M|:\n\t   "
 		"y = |X| (|r| + d);  E y = |I - X M| y + |X| (e + rounding) y;  k = the largest E y/y;  |qdd - exact| <= y/(1 - k)",
-	[SECTION_RESIDUAL] = "r = tau - ID(q, qd, qdd) at the qdd found, from inputs and constants in more bits where the head says so",
+	[SECTION_RESIDUAL] =
+		"r = tau - ID(q, qd, qdd) at the qdd found, from inputs and constants in more bits where the head says so",
 	[SECTION_REFINED] = "M d = r;  qdd += d",
-	[SECTION_REGRESSOR] = "W, V of the body by a unit rate of each joint on the way here: W = R'W_p, V = R'(V_p + W_p x p);\n\t   "
+	[SECTION_REGRESSOR] =
+		"W, V of the body by a unit rate of each joint on the way here: W = R'W_p, V = R'(V_p + W_p x p);\n\t   "
 		"their power V.f + W.n by a unit of m: V.a;  of h: U'V + a x W;  of I: W.(I dw + w x I w)",
 	[SECTION_COLUMNS] = "L'y = -d ID;  L d qdd = y/D",
-	[SECTION_WAY] = "of each coordinate beyond: sn += p x sf, sm += p' x sf;  nq += p x fq, nd += p x fd;  it feels the\n\t   "
+	[SECTION_WAY] =
+		"of each coordinate beyond: sn += p x sf, sm += p' x sf;  nq += p x fq, nd += p x fd;  it feels the\n\t   "
 		"joint's q and qd, which change accelerations by alpha x r + beta x r' + gamma, by sn.alpha + sm.beta + sf.gamma;\n\t   "
 		"the joint feels z.nq and z.nd, or z.fq and z.fd",
 	[SECTION_ROWS] = "in an order in which few values wait: what the rows of the joint take, and what is complete then",
 	[SECTION_SWEEPS] = "of the outputs y by the state x and other inputs, dqdd = M^-1 (dtau - dID) where qdd is found:\n\t   "
-		"jvp = dy/dx jvp_v, forwards;  vjp = vjp_v' dy/dx, backwards",
+			   "jvp = dy/dx jvp_v, forwards;  vjp = vjp_v' dy/dx, backwards",
 	[SECTION_PLACE] = "R = R_p X R(q);  p = p_p + R_p x",
-	[SECTION_JACOBIAN] = "column of a joint: w = z, v = w x r, of one that slides v = z; r from its origin to the point that is told of",
-	[SECTION_SUBTREE] = "mc_p += D = R mc + m p;  P_p += R P + m p';  K_p += R K + p x R P + D x p';  F_p += R F + m p'';\n\t   "
+	[SECTION_JACOBIAN] =
+		"column of a joint: w = z, v = w x r, of one that slides v = z; r from its origin to the point that is told of",
+	[SECTION_SUBTREE] =
+		"mc_p += D = R mc + m p;  P_p += R P + m p';  K_p += R K + p x R P + D x p';  F_p += R F + m p'';\n\t   "
 		"N_p += R N + p x R F + D x p'';  a column of the matrix, of the unit twist (Z, Y): Z x mc + m Y, I Z + mc x Y",
 	[SECTION_CENTROID] = "com = mc/m;  momentum: P, and K - com x P about the centre of mass;  rates: F, and N - com x F",
-	[SECTION_OPSPACE] = "inverse = J Minv J' = Y' D^-1 Y;  by factors: M = L'D L, L'Y = J';  by articulated bodies: Y = what\n\t   "
+	[SECTION_OPSPACE] =
+		"inverse = J Minv J' = Y' D^-1 Y;  by factors: M = L'D L, L'Y = J';  by articulated bodies: Y = what\n\t   "
 		"joints feel of unit wrenches on the link",
 	[SECTION_RATE] = "dJ/dt qd = the acceleration that is left where qdd = 0",
 	[SECTION_PRODUCTS] = "jvp = d tau/d q v_q + d tau/d qd v_qd + M v_qdd;  vjp = v' d tau/d q, v' d tau/d qd, v' M"};

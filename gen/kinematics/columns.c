@@ -7,8 +7,8 @@
 
 static const struct svec NOTHING;
 
-/* Of what a body carries: mass, and first moment, by the two sums of at_rest_moment (../dynamics/rnea.c). Composite bodies sum it in another
-   order: what would be shared with them would wait from here to there. */
+/* Of what a body carries: mass, and first moment, by the two sums of at_rest_moment (../dynamics/rnea.c). Composite bodies sum it
+   in another order: what would be shared with them would wait from here to there. */
 struct moment {
 	struct ref mass;
 	struct svec own, beyond;

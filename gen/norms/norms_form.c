@@ -162,8 +162,8 @@ static int divide_into_one(struct forming *f)
 	return 1;
 }
 
-/* Each product whose factors are known on one side, or the first of all: one into u and one into v. Returns whether that placed any;
-   -1: there is no room. */
+/* Each product whose factors are known on one side, or the first of all: one into u and one into v. Returns whether that placed
+   any; -1: there is no room. */
 static int divide_further(struct forming *f)
 {
 	int start = f->u_count + f->v_count;

@@ -103,7 +103,8 @@ static double share(double off, double size)
 }
 
 /* What one sample is off is added to `whole`, and by row to the sums of squares. */
-static void add_sample(struct accuracy *x, double *offs, double *sizes, const struct side *tau, int side, const real *reference, int rows)
+static void add_sample(
+	struct accuracy *x, double *offs, double *sizes, const struct side *tau, int side, const real *reference, int rows)
 {
 	double off = 0, size = 0;
 

@@ -1,6 +1,7 @@
 #ifndef RNEAGEN_EARLY_H
 #define RNEAGEN_EARLY_H
-/* Lines of a plan once more: a value or a store as soon as all that it reads is made, where then no more values wait than before. */
+/* Lines of a plan once more: a value or a store as soon as all that it reads is made, where then no more values
+   wait than before. */
 
 #include "plan/plan.h"
 

@@ -45,7 +45,8 @@ struct limbs {
 	int phases;
 	int slots;          /* of a sample, for what goes across */
 	int alive;          /* values that a warp has at once at most */
-	struct angles first; /* whose sines all threads make before the first phase, by their rows; none: a warp makes those that it takes */
+	/* whose sines all threads make before the first phase, by their rows; none: a warp makes those that it takes */
+	struct angles first;
 	unsigned longest, whole; /* operations of the longest warp, the phases after each other, and of the whole plan */
 	unsigned sum;       /* of all warps */
 	/* of the kernel, whose functions have the same */
@@ -97,11 +98,13 @@ struct function {
 	struct segments segments;
 	struct windows windows;
 	struct limbs limbs;
-	const struct function *each;   /* of a part of a kernel: the same with loops over alike limbs, which its text then has; NULL: none */
+	/* of a part of a kernel: the same with loops over alike limbs, which its text then has; NULL: none */
+	const struct function *each;
 	const struct each *loops;  /* of such a function */
 	const struct stretches *stretches; /* of a part that shares nothing with the others (grid/apart.h): its rows; NULL: it may */
 	const struct stretches *tiles;     /* what a kernel of large batches moves by tensor maps (tiles/tiles.h); NULL: it has none */
-	const struct function *beside; /* target C: what a call for one sample runs, in lanes (lanes/lanes.h), where compilers have vectors */
+	/* target C: what a call for one sample runs, in lanes (lanes/lanes.h), where compilers have vectors */
+	const struct function *beside;
 	int lanes_in_batches;      /* so does what a batch leaves over: nothing promises its bits */
 	const struct function *single; /* target C: in segments too, and what a call for one sample runs instead; NULL: nothing else */
 	const struct function *many;   /* the same for batches */
@@ -117,12 +120,12 @@ struct operation_count {
 /* The DAG must be fused. Returns 0 when memory runs out. */
 int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a);
 
-/* What is put into another order: a function, a part that shares nothing with others, or what has loops over limbs, which takes any
-   order in which rows are written late. */
+/* What is put into another order: a function, a part that shares nothing with others, or what has loops over limbs, which takes
+   any order in which rows are written late. */
 enum plan_ordered { ORDERED_WHOLE, ORDERED_PART, ORDERED_LOOPS };
 
-/* Puts the DAG of a function, and its plan, into an order in which fewer values wait, where it finds one (order.c). Returns 0 when memory
-   runs out. */
+/* Puts the DAG of a function, and its plan, into an order in which fewer values wait, where it finds one (order.c). Returns 0
+   when memory runs out. */
 int plan_order(struct function *p, const struct tree *t, const struct request *k, const struct rneagen_options *o,
 	enum plan_ordered what, struct arena *a);
 

@@ -142,8 +142,8 @@ static int take_zeros(struct function *s, struct arena *a)
 }
 
 /* Its lines; *is_built where `build` serves. 0 when memory runs out, or there are too many runs of columns. */
-static int make_lines(struct function *s, const struct function *p, segments_build *build, const struct request *k, struct arena *a,
-	int *is_built)
+static int make_lines(struct function *s, const struct function *p, segments_build *build, const struct request *k,
+	struct arena *a, int *is_built)
 {
 	struct arena spare;
 	struct dag raw;
@@ -161,8 +161,8 @@ static int make_lines(struct function *s, const struct function *p, segments_bui
 	return !*is_built || (!s->dag.failed && plan_build(&s->plan, &s->dag, p->plan.tree, a));
 }
 
-int segments_once_more(struct function **made, const struct function *p, segments_build *build, const char *name, const struct request *k,
-	const struct rneagen_options *o, struct arena *a)
+int segments_once_more(struct function **made, const struct function *p, segments_build *build, const char *name,
+	const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
 	struct algorithm *x = arena_alloc(a, 1, sizeof *x);
 	struct function *s = arena_alloc(a, 1, sizeof *s);

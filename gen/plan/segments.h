@@ -26,13 +26,13 @@ enum segment_use { SEGMENT_NONE, SEGMENT_LOOPS, SEGMENT_AGAIN, SEGMENT_KERNEL };
 int segments_choose(struct function *p, enum segment_use use, const struct request *k, const struct rneagen_options *o,
 	struct arena *a);
 
-/* Make p->single, with derivatives of qdd by loops over columns, or gradients by loops over coordinates, for a function in segments
-   that serve batches: where one sample gains by it, and nothing promises its bits, which are not those of a batch. Returns 0 when
-   memory runs out. */
+/* Make p->single, with derivatives of qdd by loops over columns, or gradients by loops over coordinates, for a function in
+   segments that serve batches: where one sample gains by it, and nothing promises its bits, which are not those of a batch.
+   Returns 0 when memory runs out. */
 int segments_single(struct function *p, const struct request *k, const struct rneagen_options *o, struct arena *a);
 
-/* Make p->many, with derivatives of qdd by loops over columns in place, or gradients by loops over coordinates, for a function that
-   has p->single: where its own lines take a compiler long. Returns 0 when memory runs out. */
+/* Make p->many, with derivatives of qdd by loops over columns in place, or gradients by loops over coordinates, for a function
+   that has p->single: where its own lines take a compiler long. Returns 0 when memory runs out. */
 int segments_many(struct function *p, const struct request *k, const struct rneagen_options *o, struct arena *a);
 
 /* May a call of one sample run another text than a batch does: does nothing promise its bits, or ask for these segments? */
@@ -42,8 +42,8 @@ int segments_may_differ(const struct rneagen_options *o);
    *made is NULL where `build` returns 0, or makes other sines, for the table of sines is the whole's. Returns 0 when memory
    runs out. */
 typedef int segments_build(struct dag *d, const struct function *p, const struct request *k);
-int segments_once_more(struct function **made, const struct function *p, segments_build *build, const char *name, const struct request *k,
-	const struct rneagen_options *o, struct arena *a);
+int segments_once_more(struct function **made, const struct function *p, segments_build *build, const char *name,
+	const struct request *k, const struct rneagen_options *o, struct arena *a);
 
 /* The line, from this one on, at which a loop over columns begins, or the number of lines; all lines behind the first are
    in loops. */

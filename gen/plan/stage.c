@@ -39,10 +39,10 @@ int stage_words(const struct dag *d, const struct rneagen_options *o)
 	return words;
 }
 
-/* In aos, to move whole lines, wherever 32 samples have room; in soa in arithmetic of 8 bytes, where inputs that wait in registers
-   leave few threads, as long as 64 have (H100: iiwa14 0.96 of the floor instead of 0.86, fetch 0.94 instead of 0.80; but jvrc1,
-   where 32 just fit, 0.47 instead of 0.63; floating, ps, by segments and with 32: atlas 714, 617, g1_29dof 708, 693, but 131072
-   samples 718, 790, simple_humanoid 404, 430, jvrc1 715, 974). */
+/* In aos, to move whole lines, wherever 32 samples have room; in soa in arithmetic of 8 bytes, where inputs that wait in
+   registers leave few threads, as long as 64 have (H100: iiwa14 0.96 of the floor instead of 0.86, fetch 0.94 instead of 0.80;
+   but jvrc1, where 32 just fit, 0.47 instead of 0.63; floating, ps, by segments and with 32: atlas 714, 617, g1_29dof 708, 693,
+   but 131072 samples 718, 790, simple_humanoid 404, 430, jvrc1 715, 974). */
 int stage_has_room(int words, const struct rneagen_options *o)
 {
 	int bytes = WARP_THREADS * words * stage_number_bytes(o);
@@ -307,7 +307,10 @@ static int is_many(struct function *const *functions, int count)
 
 int windows_choose(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a)
 {
-	struct maker m = {.functions = functions, .count = count, .line = functions[0]->plan.tree->nv > 0 ? functions[0]->plan.tree->nv : 1, .a = a};
+	struct maker m = {.functions = functions,
+		.count = count,
+		.line = functions[0]->plan.tree->nv > 0 ? functions[0]->plan.tree->nv : 1,
+		.a = a};
 	int done;
 
 	if (o->layout != RNEAGEN_AOS || functions[0]->segments.count || !is_many(functions, count))

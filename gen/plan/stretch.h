@@ -1,7 +1,7 @@
 #ifndef RNEAGEN_STRETCH_H
 #define RNEAGEN_STRETCH_H
-/* Which rows of its arrays a part of a kernel reads and writes: of each array one stretch, or two where many rows between them are
-   none of the part's. */
+/* Which rows of its arrays a part of a kernel reads and writes: of each array one stretch, or two where many rows between them
+   are none of the part's. */
 
 #include "dag/dag.h"
 #include "rneagen.h"
@@ -28,8 +28,8 @@ struct stretches {
 	struct stretch place[DAG_ARGUMENTS][STRETCHES]; /* the same where it stands in shared memory: tau in the place of qdd */
 };
 
-/* Of the DAG of a part. What it reads of outputs, which an earlier kernel left there, is not among them. With the rows of all joints:
-   what a vjp has for q, qd and qdd may stand where these were, and the torque where its weight was (places.h). */
+/* Of the DAG of a part. What it reads of outputs, which an earlier kernel left there, is not among them. With the rows of all
+   joints: what a vjp has for q, qd and qdd may stand where these were, and the torque where its weight was (places.h). */
 void stretches_make(struct stretches *s, const struct dag *d, int nv);
 
 /* The same of a part that has all rows of each array. */

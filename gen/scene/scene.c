@@ -84,7 +84,7 @@ static int find_key(const char *word, size_t length)
 }
 
 /* Options that say how a text is written, and not what of the robot is modelled. */
-static const char OPTIONS[] = " base bounded gravity layout limbs mimic name only order parts precision segments strict target trig ";
+#define OPTIONS " base bounded gravity layout limbs mimic name only order parts precision segments strict target trig "
 
 static enum rneagen_code refuse_word(const struct reader *r, const char *word, size_t length)
 {
@@ -362,7 +362,7 @@ enum rneagen_code scene_expand(struct scene *s, const struct robot *r, struct ar
 		for (const char *at = s->lines[i].name; *at; at++)
 			most += *at == ',';
 		if (most > LIMIT_CHOICES)
-			return scene_refuse(s, &s->lines[i], e, "a scene holds at most %d choices, of a list each name, and this is one more", LIMIT_CHOICES);
+			return scene_refuse(s, &s->lines[i], e, "more than %d choices in the scene, of a list each name", LIMIT_CHOICES);
 	}
 	s->count = 0;
 	s->choices = arena_alloc(a, most, sizeof *s->choices);

@@ -212,8 +212,10 @@ static void put_effect(const struct effect *x, const char *next, struct text *ou
 			x->change, x->share);
 	text_printf(out, ", sampled in %zu states", DRAW_EFFECTS.count);
 	if (x->is_proved)
-		text_printf(out, "%sproved for all states within the ranges below, in exact arithmetic: no output changes by more than %.2g, %.2g of its "
-				 "largest", next, x->most.change, x->most.share);
+		text_printf(out,
+			"%sproved for all states within the ranges below, in exact arithmetic: no output changes by more than %.2g, %.2g of its "
+			"largest",
+			next, x->most.change, x->most.share);
 	else if (x->key == SCENE_DROP_BELOW)
 		text_printf(out, "%sthe terms were chosen by samples, and nothing is proved of other states", next);
 }

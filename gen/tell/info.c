@@ -78,7 +78,9 @@ void info_table(const struct info *x, struct text *out)
 	text_put(out, "gravity ");
 	for (int i = 0; i < 3; i++)
 		text_printf(out, "%s ", number_plain((double)t->gravity[i].x).s);
-	text_printf(out, t->floating ? "in the world, in which root link %s floats\n\n" : "in the world, the frame of root link %s\n\n", t->root);
+	text_printf(out,
+		t->floating ? "in the world, in which root link %s floats\n\n" : "in the world, the frame of root link %s\n\n",
+		t->root);
 	text_put(out, " link parent  type       row in q         mass  joint -> link\n");
 	for (int k = 0; k < t->body_count; k++)
 		put_body(t, &a->stated.bodies[k], out);

@@ -41,14 +41,16 @@ void params_put_comment(const struct analysis *a, struct text *out)
 void trig_put_comment(const struct analysis *a, struct text *out)
 {
 	if (a->adjust.has_angles)
-		text_put(out, " * Sine and cosine are bounded: the scene states a range of every joint's angle. Beyond 1e4 rad they may be NaN;\n"
-			      " * with --trig accurate they take any angle.\n");
+		text_put(out,
+			" * Sine and cosine are bounded: the scene states a range of every joint's angle. Beyond 1e4 rad they may be NaN;\n"
+			" * with --trig accurate they take any angle.\n");
 }
 
 void trig_put_table(const struct analysis *a, struct text *out)
 {
 	if (a->adjust.has_angles)
-		text_put(out, "\nsine and cosine: bounded, the scene states a range of every joint's angle; with --trig accurate they take any angle\n");
+		text_put(out,
+			"\nsine and cosine: bounded, the scene states a range of every joint's angle; with --trig accurate they take any angle\n");
 }
 
 void params_put_json(const struct analysis *a, struct text *out)

@@ -32,7 +32,8 @@ void parts_put_json(const struct emission *e, struct text *out)
 	for (int i = 0; i < e->part_count; i++) {
 		const struct part *p = &e->parts[i];
 
-		text_printf(out, "%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d, \"hand\": %s, \"stretch\": %d, \"loops\": %d}",
+		text_printf(out,
+			"%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d, \"hand\": %s, \"stretch\": %d, \"loops\": %d}",
 			i ? "," : "  \"parts\": [", e->tree->bodies[p->first].number, e->tree->bodies[p->last].number,
 			plan_flops(part_operations(p)), p->alive, p->is_hand ? "true" : "false", p->joints,
 			p->function.each ? p->function.each->loops->count : 0);

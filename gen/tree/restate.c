@@ -16,11 +16,6 @@ int restate_slides(const struct body *k)
 	return restate_turns(k) || k->type == JOINT_PLANAR;
 }
 
-int restate_floats(const struct body *k)
-{
-	return k->type == JOINT_PRISMATIC;
-}
-
 /* ---- frames ---- */
 
 /* Exactly 1 where nothing else is in a row and a column, and one sine and cosine for the other four. */

@@ -18,10 +18,9 @@ struct restatement {
 	enum regroup regroup;
 };
 
-/* What a body's frame may do: turn about its axis, slide along it, slide anywhere. */
+/* What a body's frame may do: turn about its axis, slide along it (of a prismatic joint it may slide anywhere). */
 int restate_turns(const struct body *k);
 int restate_slides(const struct body *k);
-int restate_floats(const struct body *k);
 
 /* A tree of its own bodies and links, restated by body from one as it was built. Returns 0 when memory runs out. */
 int tree_restate(struct tree *out, const struct tree *t, const struct restatement *by, struct arena *a);

@@ -218,15 +218,6 @@ void rotation_apply(const struct rotation *r, const struct within v[3], struct w
 		out[i] = w[i];
 }
 
-int rotation_is_identity(const struct rotation *r)
-{
-	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++)
-			if (r->m[i][j].x != (i == j))
-				return 0;
-	return 1;
-}
-
 struct placement placement_mul(const struct placement *a, const struct placement *b)
 {
 	struct placement c = {.R = rotation_mul(&a->R, &b->R)};

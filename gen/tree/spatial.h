@@ -68,7 +68,6 @@ struct rotation rotation_quaternion(const struct within q[4]);
 struct rotation rotation_mul(const struct rotation *a, const struct rotation *b);
 struct rotation rotation_transpose(const struct rotation *a);
 void rotation_apply(const struct rotation *r, const struct within v[3], struct within out[3]);
-int rotation_is_identity(const struct rotation *r);
 
 /* a after b: x = a.R (b.R y + b.p) + a.p */
 struct placement placement_mul(const struct placement *a, const struct placement *b);

@@ -5,5 +5,6 @@ enum rneagen_code certificate_check(const struct check_input *in, struct text *r
 {
 	(void)report;
 	return error_set(e, RNEAGEN_UNSUPPORTED,
-		"%s: this rnearun cannot check certificates: it was built without jansson (Debian, Ubuntu: apt install libjansson-dev)", in->file);
+		"%s: this rnearun cannot check certificates: it was built without jansson (Debian, Ubuntu: apt install libjansson-dev)",
+		in->file);
 }

@@ -7,7 +7,7 @@ json_t *read_json(const struct reader *r, const char *bytes, size_t length)
 	json_t *root = json_loadb(bytes, length, JSON_REJECT_DUPLICATES, &fault);
 
 	if (!root)
-		error_set(r->e, RNEAGEN_READ, "%s:%d:%d: is no JSON: %s", r->file, fault.line, fault.column, fault.text);
+		error_set(r->e, RNEAGEN_READ, "%s:%d:%d: is no JSON, so no certificate: %s", r->file, fault.line, fault.column, fault.text);
 	return root;
 }
 

@@ -11,8 +11,9 @@ static const char NAME[] = "rnearun check-certificate";
 static const char HELP[] =
 	"usage: rnearun check-certificate FILE [ROBOT.urdf] [--threads N]\n"
 	"\n"
-	"Checks what rnearun prove wrote with --certificate FILE, without any search and by other code than found it: the URDF and its text\n"
-	"are those that are meant, and each bound follows from the steps that are recorded. ROBOT.urdf: unless the file that FILE names.\n"
+	"Checks what rnearun prove wrote with --certificate FILE, without any search and by other code than found it: the\n"
+	"URDF and its text are those that are meant, and each bound follows from the steps that are recorded. ROBOT.urdf:\n"
+	"unless the file that FILE names.\n"
 	"\n"
 	"  --threads N                of the processor (default: all)\n"
 	"  --help\n"
@@ -21,9 +22,13 @@ static const char HELP[] =
 
 static int print(const struct text *report)
 {
-	if (report->failed || file_put_stdout(text_string(report)) || fflush(stdout))
-		return fprintf(stderr, "%s: standard output: cannot be written\n", NAME), 1;
-	return 0;
+	struct rneagen_error e = {0};
+
+	if (report->failed)
+		error_memory(&e);
+	else if (!file_put_stdout_error(text_string(report), &e))
+		return 0;
+	return fprintf(stderr, "%s: %s\n", NAME, e.message), 1;
 }
 
 static int check(const char *file, const char *urdf, unsigned threads)

@@ -6,13 +6,31 @@
 #include "core/info_table.h"
 #include "core/words.h"
 
-/* Who knows nothing of parts, of functions, of relays, of hands, or of threads of a sample must not launch a text that has them: each was a
-   version more. */
-enum { VERSION = 1, VERSION_PARTS = 2, VERSION_FUNCTIONS = 3, VERSION_RELAY = 4, VERSION_HANDS = 5, VERSION_STARTS = 6, VERSION_LEVELS = 7,
-	VERSION_THREADS = 8, VERSION_LAST = VERSION_THREADS,
-	BLOCK_LIMIT = 1024, PARTS_LIMIT = 65535,
-	STAGE_LIMIT = 48 << 10, SAMPLES_LIMIT = 32, LIMBS_LIMIT = 16, GROUPS_LIMIT = 4, RELAY_LIMIT = 32,
-	PART_BLOCK_LIMIT = 256, ARCH_LIMIT = 999, TILE_ROWS_LIMIT = 256, GIVEN_LIMIT = 227 << 10, ROOM_LIMIT = 1 << 16 };
+/* Who knows nothing of parts, of functions, of relays, of hands, or of threads of a sample must not launch a text that has
+   them: each was a version more. */
+enum {
+	VERSION = 1,
+	VERSION_PARTS = 2,
+	VERSION_FUNCTIONS = 3,
+	VERSION_RELAY = 4,
+	VERSION_HANDS = 5,
+	VERSION_STARTS = 6,
+	VERSION_LEVELS = 7,
+	VERSION_THREADS = 8,
+	VERSION_LAST = VERSION_THREADS,
+	BLOCK_LIMIT = 1024,
+	PARTS_LIMIT = 65535,
+	STAGE_LIMIT = 48 << 10,
+	SAMPLES_LIMIT = 32,
+	LIMBS_LIMIT = 16,
+	GROUPS_LIMIT = 4,
+	RELAY_LIMIT = 32,
+	PART_BLOCK_LIMIT = 256,
+	ARCH_LIMIT = 999,
+	TILE_ROWS_LIMIT = 256,
+	GIVEN_LIMIT = 227 << 10,
+	ROOM_LIMIT = 1 << 16
+};
 
 /* The keys that stand once: in the text; from KEY_OPERATIONS on for each function. */
 enum key {
@@ -72,8 +90,8 @@ enum rnea_code info_row(struct parser *p);
 /* Of a line `tiles`: an argument and a number of rows for each, to its end. */
 enum rnea_code info_tiles(struct parser *p);
 
-/* How kernels are launched (info_kernels.c). `parts`: of the limbs' kernel along y of its grid; 0: as many as the function has, which may
-   be told later. Of hands a number for each kernel, to the end of the line. */
+/* How kernels are launched (info_kernels.c). `parts`: of the limbs' kernel along y of its grid; 0: as many as the function has,
+   which may be told later. Of hands a number for each kernel, to the end of the line. */
 enum rnea_code info_limbs(struct parser *p, struct rnea_limbs *l, unsigned parts);
 enum rnea_code info_hands(struct parser *p);
 enum rnea_code info_part_kernels(struct parser *p);

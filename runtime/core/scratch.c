@@ -1,14 +1,45 @@
-/* nftw */
+/* nftw and getdents64 */
 #define _GNU_SOURCE
 #include "core/scratch.h"
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <ftw.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+/* Those that there are, for scratch_abandon: the first of them. A name that is being written is not to be read. */
+enum { NOTED = 16, TRIES = 100 };
+enum { FREE, WRITING, WHOLE };
+
+static struct note {
+	atomic_int state;
+	char folder[sizeof(struct scratch)];
+} notes[NOTED];
+
+static void note(const char *folder)
+{
+	for (int i = 0; i < NOTED; i++) {
+		int state = FREE;
+
+		if (atomic_compare_exchange_strong(&notes[i].state, &state, WRITING)) {
+			strcpy(notes[i].folder, folder);
+			atomic_store(&notes[i].state, WHOLE);
+			return;
+		}
+	}
+}
+
+static void forget(const char *folder)
+{
+	for (int i = 0; i < NOTED; i++)
+		if (atomic_load(&notes[i].state) == WHOLE && !strcmp(notes[i].folder, folder))
+			atomic_store(&notes[i].state, FREE);
+}
 
 static int make_below(struct scratch *s, const char *parent)
 {
@@ -16,8 +47,10 @@ static int make_below(struct scratch *s, const char *parent)
 	if (parent[0] != '/' || strlen(parent) > sizeof s->folder - sizeof "/rnea-XXXXXX")
 		return EINVAL;
 	snprintf(s->folder, sizeof s->folder, "%s/rnea-XXXXXX", parent);
-	if (mkdtemp(s->folder))
+	if (mkdtemp(s->folder)) {
+		note(s->folder);
 		return 0;
+	}
 	s->folder[0] = '\0';
 	return errno;
 }
@@ -43,9 +76,44 @@ static int remove_entry(const char *path, const struct stat *about, int type, st
 
 void scratch_remove(struct scratch *s)
 {
-	if (s->folder[0])
+	if (s->folder[0]) {
 		nftw(s->folder, remove_entry, 8, FTW_DEPTH | FTW_PHYS);
+		forget(s->folder);
+	}
 	s->folder[0] = '\0';
+}
+
+/* The files of a folder. nftw and opendir take memory, which a handler may not. */
+static void empty(int folder)
+{
+	_Alignas(struct dirent64) char entries[4096];
+	ssize_t size;
+
+	lseek(folder, 0, SEEK_SET);
+	while ((size = getdents64(folder, entries, sizeof entries)) > 0)
+		for (ssize_t at = 0; at < size; at += ((struct dirent64 *)(entries + at))->d_reclen)
+			unlinkat(folder, ((struct dirent64 *)(entries + at))->d_name, 0);
+}
+
+/* Again where a compiler that still runs has made a file meanwhile; once the folder is gone it cannot. */
+static void abandon(const char *path)
+{
+	int folder = open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+
+	for (int i = 0; folder >= 0 && i < TRIES; i++) {
+		empty(folder);
+		if (!rmdir(path) || errno != ENOTEMPTY)
+			break;
+	}
+	if (folder >= 0)
+		close(folder);
+}
+
+void scratch_abandon(void)
+{
+	for (int i = 0; i < NOTED; i++)
+		if (atomic_load(&notes[i].state) == WHOLE)
+			abandon(notes[i].folder);
 }
 
 int scratch_fill(int fd, const void *data, size_t size)

@@ -15,6 +15,9 @@ int scratch_make(struct scratch *s);
 /* Remove it with all that is in it. */
 void scratch_remove(struct scratch *s);
 
+/* For a program's own handler of a signal that ends it: remove all that there are, with the files in them. */
+void scratch_abandon(void);
+
 /* Write a new file. Returns 0, or the errno. */
 int scratch_write(const char *path, const void *data, size_t size);
 

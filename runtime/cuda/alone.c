@@ -34,7 +34,8 @@ void alone_load(struct alone *a, struct beside *b, const struct device *d, struc
 	rnea_info_without_part_kernels(info);
 }
 
-int alone_serve(const struct alone *a, const struct device *d, void *const *arrays, size_t count, struct tile_map maps[RNEA_TILE_LIMIT])
+int alone_serve(
+	const struct alone *a, const struct device *d, void *const *arrays, size_t count, struct tile_map maps[RNEA_TILE_LIMIT])
 {
 	return a->function && count >= a->function->part_kernels && tiles_make(maps, d, a->function, arrays, count);
 }

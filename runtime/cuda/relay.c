@@ -2,8 +2,8 @@
 #include <stdio.h>
 
 /* A small batch has several blocks for the same samples, which share the columns: so many at most, as in the generated launch
-   function. Each makes the factors anew. H100, f32, 1024 samples, the third kernel alone, 16 and 32 along y: atlas 9.1 and 8.5 us,
-   floating hyq 6.6 and 6.6; 4096: atlas, 8 and 16, 11.7 and 17.2. */
+   function. Each makes the factors anew. H100, f32, 1024 samples, the third kernel alone, 16 and 32 along y: atlas 9.1 and 8.5
+   us, floating hyq 6.6 and 6.6; 4096: atlas, 8 and 16, 11.7 and 17.2. */
 enum { FEW_GROUPS = 32, MOST_ALONG_FEW = 32, MOST_ALONG = 16 };
 
 enum rnea_code relay_kernel(const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
@@ -34,8 +34,8 @@ static enum rnea_code find_hands(struct relay *r, const struct device *d, void *
 	return RNEA_OK;
 }
 
-enum rnea_code relay_hands(const struct relay *r, const struct device *d, const struct rnea_function *f, unsigned blocks, unsigned block,
-	void **parameters, void *stream, struct rnea_error *e)
+enum rnea_code relay_hands(const struct relay *r, const struct device *d, const struct rnea_function *f, unsigned blocks,
+	unsigned block, void **parameters, void *stream, struct rnea_error *e)
 {
 	for (unsigned i = 0; i < r->hand_kernels; i++)
 		if (device_launch(d, &r->hands[i], blocks, f->hands[i], block, parameters, stream, e))

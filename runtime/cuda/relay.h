@@ -1,7 +1,7 @@
 #ifndef RNEA_RELAY_H
 #define RNEA_RELAY_H
-/* A relay: a launch of the first function runs three kernels, one after the other, and its own is the second of them; or two, a kernel
-   for hands and its own; of robots with long arms more kernels for hands. */
+/* A relay: a launch of the first function runs three kernels, one after the other, and its own is the second of them; or two, a
+   kernel for hands and its own; of robots with long arms more kernels for hands. */
 
 #include "cuda/device.h"
 #include "rnea.h"
@@ -21,14 +21,14 @@ struct relay {
 enum rnea_code relay_kernel(const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
 	const char *which, size_t bytes, struct device_kernel *k, struct rnea_error *e);
 
-/* Find them, where the function has a relay, or hands, which stage in blocks of `block`. Errors: TEXT where one is not there, DRIVER,
-   ARGUMENT where the device has less shared memory than the third takes. */
-enum rnea_code relay_find(struct relay *r, const struct device *d, void *module, const struct source *s, const struct rnea_function *f,
-	unsigned block, struct rnea_error *e);
+/* Find them, where the function has a relay, or hands, which stage in blocks of `block`. Errors: TEXT where one is not there,
+   DRIVER, ARGUMENT where the device has less shared memory than the third takes. */
+enum rnea_code relay_find(struct relay *r, const struct device *d, void *module, const struct source *s,
+	const struct rnea_function *f, unsigned block, struct rnea_error *e);
 
 /* Launch those of hands, so many blocks along x. */
-enum rnea_code relay_hands(const struct relay *r, const struct device *d, const struct rnea_function *f, unsigned blocks, unsigned block,
-	void **parameters, void *stream, struct rnea_error *e);
+enum rnea_code relay_hands(const struct relay *r, const struct device *d, const struct rnea_function *f, unsigned blocks,
+	unsigned block, void **parameters, void *stream, struct rnea_error *e);
 
 /* Launch the third. Without samples it does nothing. */
 enum rnea_code relay_solve(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,

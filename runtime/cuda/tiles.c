@@ -11,8 +11,8 @@ static int make(struct tile_map *map, const struct device *d, const struct rnea_
 	const uint64_t size[] = {count, a->rows}, pitch[] = {count * (is_double ? sizeof(double) : sizeof(float))};
 	const uint32_t box[] = {block, t->rows}, step[] = {1, 1};
 
-	return d->api.tensor_map_encode_tiled(map, is_double ? DATA_TYPE_FLOAT64 : DATA_TYPE_FLOAT32, 2, array, size, pitch, box, step, 0,
-		       0, 0, 0) == 0;
+	return !d->api.tensor_map_encode_tiled(
+		map, is_double ? DATA_TYPE_FLOAT64 : DATA_TYPE_FLOAT32, 2, array, size, pitch, box, step, 0, 0, 0, 0);
 }
 
 int tiles_make(struct tile_map maps[RNEA_TILE_LIMIT], const struct device *d, const struct rnea_function *f, void *const *arrays,

@@ -56,12 +56,23 @@ static size_t joined_rows(const struct eval_arrays *a)
 	return rows;
 }
 
-void eval_name_sinks(struct eval_arrays *a)
+/* Where a link leads, for what is written in parts stands beside that. */
+static const char *follow(const char *path, struct arena *arena)
 {
-	a->joined.path = a->out;
+	char target[PENDING_PATH];
+	const char *copy = NULL;
+
+	if (path && strcmp(path, "-") && !pending_is_in_place(path) && !pending_target(path, target))
+		copy = arena_string(arena, target, strlen(target));
+	return copy ? copy : path;
+}
+
+void eval_name_sinks(struct eval_arrays *a, struct arena *arena)
+{
+	a->joined.path = follow(a->out, arena);
 	a->joined.rows = joined_rows(a);
 	for (size_t i = 0; i < a->s->count; i++) {
-		a->sinks[i].path = a->s->arrays[i].is_output ? a->paths[i] : NULL;
+		a->sinks[i].path = a->s->arrays[i].is_output ? follow(a->paths[i], arena) : NULL;
 		a->sinks[i].rows = a->s->arrays[i].rows;
 	}
 }

@@ -38,8 +38,8 @@ int eval_is_read_by_sample(const struct eval_arrays *a, size_t i);
 /* Open what is to be read. *is_wide: double precision is among it. Errors: READ, MEMORY. */
 enum rneagen_code eval_open_inputs(struct eval_arrays *a, int *is_wide, struct rneagen_error *e);
 
-/* Where outputs go, from the command line's names. */
-void eval_name_sinks(struct eval_arrays *a);
+/* Where outputs go, from the command line's names; what links lead to is of the arena. */
+void eval_name_sinks(struct eval_arrays *a, struct arena *arena);
 
 /* After that: the outputs that are written, joined and single, in the order of the arrays, to `sinks`;
    returns how many. */

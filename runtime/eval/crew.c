@@ -26,6 +26,7 @@ struct hand {
 struct crew {
 	const struct eval_crew *c;
 	struct hand *hands;
+	size_t count;  /* of them: c->count, or 0 where there is no memory for them */
 	uint64_t lane; /* the first of this rank */
 	struct slices slices;
 	pthread_mutex_t lock;
@@ -39,6 +40,8 @@ struct pulse {
 	uint64_t done, whole, busy; /* samples; those that are all written; lanes */
 	uint64_t failed, syncs;     /* 1: it has; the first rank wants what is written to be on the disk */
 };
+
+_Static_assert(sizeof(struct pulse) <= RANKS_ROOM, "ranks have room for it");
 
 /* ---- lanes ---- */
 
@@ -97,7 +100,7 @@ static void start(struct crew *w)
 
 	sigfillset(&all);
 	pthread_sigmask(SIG_SETMASK, &all, &before);
-	for (size_t i = 0; i < w->c->count; i++) {
+	for (size_t i = 0; i < w->count; i++) {
 		struct hand *h = &w->hands[i];
 
 		h->crew = w;
@@ -117,7 +120,7 @@ static void end(struct crew *w)
 	pthread_mutex_lock(&w->lock);
 	w->stops = 1;
 	pthread_mutex_unlock(&w->lock);
-	for (size_t i = 0; i < w->c->count; i++) {
+	for (size_t i = 0; i < w->count; i++) {
 		struct hand *h = &w->hands[i];
 
 		if (h->is_started)
@@ -141,19 +144,19 @@ static void wait_a_while(struct crew *w)
 	till.tv_sec += till.tv_nsec / 1000000000;
 	till.tv_nsec %= 1000000000;
 	pthread_mutex_lock(&w->lock);
-	for (size_t i = 0; i < w->c->count; i++)
+	for (size_t i = 0; i < w->count; i++)
 		ended += (size_t)w->hands[i].has_ended;
-	if (ended < w->c->count)
+	if (ended < w->count)
 		pthread_cond_timedwait(&w->ended, &w->lock, &till);
 	pthread_mutex_unlock(&w->lock);
 }
 
 static struct pulse look(struct crew *w, const struct rneagen_error *e)
 {
-	struct pulse p = {.whole = w->c->samples, .failed = e->code != RNEAGEN_OK};
+	struct pulse p = {.whole = w->count ? w->c->samples : w->c->first, .failed = e->code != RNEAGEN_OK};
 
 	pthread_mutex_lock(&w->lock);
-	for (size_t i = 0; i < w->c->count; i++) {
+	for (size_t i = 0; i < w->count; i++) {
 		const struct hand *h = &w->hands[i];
 
 		p.done += h->done;
@@ -166,11 +169,12 @@ static struct pulse look(struct crew *w, const struct rneagen_error *e)
 }
 
 /* What all ranks are at; in `syncs` what the first one wants. */
-static struct pulse look_at_all(struct crew *w, struct pulse mine, struct pulse *all)
+static struct pulse look_at_all(struct crew *w, struct pulse mine)
 {
+	const struct pulse *all = w->c->ranks->room;
 	struct pulse sum = {.whole = UINT64_MAX};
 
-	ranks_gather(w->c->ranks, &mine, sizeof mine, all);
+	ranks_gather(w->c->ranks, &mine, sizeof mine, w->c->ranks->room);
 	for (size_t i = 0; i < w->c->ranks->count; i++) {
 		sum.done += all[i].done;
 		sum.busy += all[i].busy;
@@ -200,7 +204,7 @@ static int is_time_to_record(struct crew *w)
 	return 1;
 }
 
-static struct pulse watch(struct crew *w, struct pulse *all, struct rneagen_error *e)
+static struct pulse watch(struct crew *w, struct rneagen_error *e)
 {
 	struct pulse sum = {0}, before;
 
@@ -212,7 +216,7 @@ static struct pulse watch(struct crew *w, struct pulse *all, struct rneagen_erro
 		mine = look(w, e);
 		mine.syncs = (uint64_t)is_time_to_record(w);
 		before = sum;
-		sum = look_at_all(w, mine, all);
+		sum = look_at_all(w, mine);
 		if (!sum.failed)
 			record(w, &before);
 		if (sum.syncs)
@@ -224,7 +228,7 @@ static struct pulse watch(struct crew *w, struct pulse *all, struct rneagen_erro
 }
 
 /* What is complete when a run ends early, where that is of use. */
-static void record_end(struct crew *w, struct pulse *all, struct rneagen_error *e)
+static void record_end(struct crew *w, struct rneagen_error *e)
 {
 	struct rneagen_error synced = {0};
 	struct pulse last;
@@ -235,25 +239,27 @@ static void record_end(struct crew *w, struct pulse *all, struct rneagen_error *
 	last = look(w, e);
 	eval_sync(w->c->arrays, &synced);
 	last.failed = synced.code != RNEAGEN_OK;
-	last = look_at_all(w, last, all);
+	last = look_at_all(w, last);
 	if (!last.failed && !w->c->ranks->index)
 		w->c->record(w->c->own, last.whole);
 }
 
 /* Number the lanes of all ranks; plan their slices. */
-static void plan(struct crew *w, uint64_t *all)
+static void plan(struct crew *w)
 {
-	uint64_t mine = w->c->count, lanes = 0;
+	const uint64_t *all = w->c->ranks->room;
+	uint64_t mine = w->count, lanes = 0;
 
-	ranks_gather(w->c->ranks, &mine, sizeof mine, all);
+	ranks_gather(w->c->ranks, &mine, sizeof mine, w->c->ranks->room);
 	for (size_t i = 0; i < w->c->ranks->count; i++) {
 		w->lane += i < w->c->ranks->index ? all[i] : 0;
 		lanes += all[i];
 	}
-	w->slices = slices_plan(w->c->first, w->c->samples, lanes, w->c->slice, eval_lane_slice(w->c->arrays));
+	w->slices = slices_plan(w->c->first, w->c->samples, lanes ? lanes : 1, w->c->slice, eval_lane_slice(w->c->arrays));
 }
 
-static int make(struct crew *w)
+/* A rank that fails here goes on without lanes: the others wait to hear of it. */
+static void make(struct crew *w, struct rneagen_error *e)
 {
 	pthread_condattr_t monotonic;
 
@@ -263,28 +269,28 @@ static int make(struct crew *w)
 	pthread_cond_init(&w->ended, &monotonic);
 	pthread_condattr_destroy(&monotonic);
 	w->hands = calloc(w->c->count, sizeof *w->hands);
-	return w->hands != NULL;
+	w->count = w->hands ? w->c->count : 0;
+	if (!w->hands)
+		error_memory(e);
 }
 
 int eval_crew_run(struct eval_crew *c, struct rneagen_error *e)
 {
 	struct crew w = {.c = c};
-	struct pulse *all = calloc(c->ranks->count, sizeof *all), sum;
+	struct pulse sum;
 
-	if (!all || !make(&w))
-		abort(); /* a few hundred bytes, and the other ranks wait */
-	plan(&w, &all[0].done);
+	make(&w, e);
+	plan(&w);
 	start(&w);
-	sum = watch(&w, all, e);
+	sum = watch(&w, e);
 	end(&w);
 	if (sum.failed)
-		record_end(&w, all, e);
-	for (size_t i = 0; i < c->count; i++)
+		record_end(&w, e);
+	for (size_t i = 0; i < w.count; i++)
 		if (w.hands[i].error.code)
 			error_set(e, w.hands[i].error.code, "%s", w.hands[i].error.message);
 	pthread_cond_destroy(&w.ended);
 	pthread_mutex_destroy(&w.lock);
 	free(w.hands);
-	free(all);
 	return !sum.failed;
 }

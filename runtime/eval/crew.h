@@ -23,7 +23,7 @@ struct eval_crew {
 };
 
 /* All ranks end together: when all is done, or some time after a lane has failed. *e tells of a failure in this rank
-   alone. Returns whether all is done. Errors: those of eval_lane_open, eval_lane_do and rnea_open. */
+   alone. Returns whether all is done. Errors: MEMORY, those of eval_lane_open, eval_lane_do and rnea_open. */
 int eval_crew_run(struct eval_crew *c, struct rneagen_error *e);
 
 #endif

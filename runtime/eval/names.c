@@ -146,7 +146,8 @@ int eval_check_inputs(const struct eval *v)
 		fputs(s->nominal ? ", as the URDF has it\n" : "\n", stderr);
 	}
 	if (a->in && !joined)
-		return option_refuse(v->command.name, "--in %s: every input of samples has a file of its own, or there is none",
+		return option_refuse(v->command.name,
+			"--in %s: no input of samples is left for it: each has a file of its own, or the scene has none; leave out --in",
 			a->in);
 	return -1;
 }

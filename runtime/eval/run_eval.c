@@ -126,7 +126,7 @@ static int analyse(struct eval *v)
 	status = eval_name_files(v);
 	if (status < 0)
 		status = eval_check_inputs(v);
-	eval_name_sinks(&v->arrays);
+	eval_name_sinks(&v->arrays, v->analysis.arena);
 	if (status < 0)
 		status = eval_note_parts(v);
 	return status < 0 ? command_check_files(&v->command) : status;

@@ -146,7 +146,8 @@ static void climb(struct seeking *s, struct states_room *t, struct top *top, siz
 	}
 }
 
-/* What is bad for one type is nearly so for the others: one of some climbs goes on from there for these. tops[] are the output's. */
+/* What is bad for one type is nearly so for the others: one of some climbs goes on from there for these. tops[]
+   are the output's. */
 static void climb_for(struct seeking *s, struct states_room *t, struct top *tops, size_t output, int start,
 	unsigned short seed[3], double *best)
 {

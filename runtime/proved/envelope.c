@@ -135,11 +135,13 @@ static void put_one(const struct envelope_row *r, int is_first, struct text *out
 
 	switch (r->verdict) {
 	case ENVELOPE_EXCEEDED:
-		text_printf(out, "- more than the limit: %s of %s, %g %s: a state was found that needs %.6g, %.3g %% of it; none needs more than %.6g\n",
+		text_printf(out,
+			"- more than the limit: %s of %s, %g %s: a state was found that needs %.6g, %.3g %% of it; none needs more than %.6g\n",
 			r->output, r->joint, r->effort, r->unit, found, 100 * r->found, most);
 		return;
 	case ENVELOPE_OPEN:
-		text_printf(out, "- perhaps more than the limit: %s of %s, %g %s: no state needs more than %.6g, %.3g %% of it; found was %.6g\n",
+		text_printf(out,
+			"- perhaps more than the limit: %s of %s, %g %s: no state needs more than %.6g, %.3g %% of it; found was %.6g\n",
 			r->output, r->joint, r->effort, r->unit, most, 100 * r->proved, found);
 		return;
 	case ENVELOPE_KEPT:

@@ -15,9 +15,9 @@
 static const char HELP[] =
 	"usage: rnearun prove ROBOT.urdf --range qdd=-20,20 [options]\n"
 	"\n"
-	"Proves, for all states within the limits of the joints and the ranges given, from where to where each torque goes, and how far\n"
-	"rounding takes a text off in each precision. Beside it stands what a search over the same states finds. What has no limit in the\n"
-	"URDF needs a --range.\n"
+	"Proves, for all states within the limits of the joints and the ranges given, from where to where each torque goes, and\n"
+	"how far rounding takes a text off in each precision. Beside it stands what a search over the same states finds. What\n"
+	"has no limit in the URDF needs a --range.\n"
 	"\n"
 	"  --range NAME=LO,HI         of q, qd, qdd, q.JOINT, qd.JOINT, qdd.JOINT or another input of the scene\n"
 	"  --seconds S                for proof and search together (default 60)\n"
@@ -159,8 +159,10 @@ static int print(const struct proving *p, const struct proved *x)
 		status = fail(p, &e);
 	else if (out.failed)
 		status = command_fail(&p->command, "out of memory");
-	else if (fputs(text_string(&out), stdout) == EOF || fflush(stdout) || ferror(stdout))
-		status = command_fail(&p->command, "standard output: cannot be written");
+	else {
+		fputs(text_string(&out), stdout);
+		status = command_flush(&p->command);
+	}
 	arena_free(&arena);
 	return status;
 }

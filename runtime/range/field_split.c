@@ -34,10 +34,9 @@ static enum role role_of(const struct splitter *s, const struct node *n)
 	return s->d->arguments[n->arg[0].i].role;
 }
 
-static enum rneagen_code refuse(const struct splitter *s, const char *what)
+static enum rneagen_code refuse(const struct splitter *s, const char *no, const char *what)
 {
-	return error_set(s->e, RNEAGEN_UNSUPPORTED, "%s: rnearun prove knows torques, gravity, bias and M, %s",
-		s->x->options.file, what);
+	return error_set(s->e, RNEAGEN_UNSUPPORTED, "%s: prove knows torques, gravity, bias and M, %s%s", s->x->options.file, no, what);
 }
 
 /* ---- what is known of each node ---- */
@@ -136,9 +135,9 @@ static enum rneagen_code check_node(const struct splitter *s, const struct node 
 	int is_angle = n->op == OP_SIN || n->op == OP_COS;
 
 	if (n->op == OP_DIV || n->op == OP_SQRT || n->op == OP_ABS || n->op == OP_WIDEN || n->op == OP_NARROW)
-		return refuse(s, "without refinement");
+		return refuse(s, "", "without refinement");
 	if (is_angle && (s->d->nodes[n->arg[0].i].op != OP_INPUT || role_of(s, &s->d->nodes[n->arg[0].i]) != ROLE_JOINT_POSITION))
-		return refuse(s, "where each angle is a joint's or a multiple of it");
+		return refuse(s, "", "where each angle is a joint's or a multiple of it");
 	if (n->op == OP_INPUT && role_of(s, n) == ROLE_JOINT_POSITION && s->bit_count == FIELD_DIMS && !s->bit[n->arg[1].i])
 		return error_set(s->e, RNEAGEN_LIMIT, "%s: rnearun prove takes at most %d positions", s->x->options.file, FIELD_DIMS);
 	return RNEAGEN_OK;
@@ -147,14 +146,15 @@ static enum rneagen_code check_node(const struct splitter *s, const struct node 
 static enum rneagen_code check_outputs(const struct splitter *s)
 {
 	if (adjust_is_asked(&s->x->adjust))
-		return refuse(s, "of the robot as its file states it: leave out what changes constants");
+		return refuse(s, "", "of the robot as its file states it: leave out what changes constants");
 	for (size_t i = 0; i < s->d->output_count; i++) {
-		enum role role = s->d->arguments[s->d->outputs[i].argument].role;
+		const struct argument *a = &s->d->arguments[s->d->outputs[i].argument];
 
-		if (role != ROLE_JOINT_TORQUE && role != ROLE_GRAVITY_TORQUE && role != ROLE_BIAS_TORQUE && role != ROLE_MASS_MATRIX)
-			return refuse(s, "and no other output");
+		if (a->role != ROLE_JOINT_TORQUE && a->role != ROLE_GRAVITY_TORQUE &&
+			a->role != ROLE_BIAS_TORQUE && a->role != ROLE_MASS_MATRIX)
+			return refuse(s, "not ", a->name);
 		if (s->marks[s->d->outputs[i].value.i].orders > 7)
-			return refuse(s, "where no product is of more than two rates, or of an input and an acceleration");
+			return refuse(s, "", "where no product is of more than two rates, or of an input and an acceleration");
 	}
 	return RNEAGEN_OK;
 }
@@ -211,7 +211,7 @@ static enum rneagen_code add_input(const struct splitter *s, struct field *f, co
 		r = (struct interval){-scale, scale};
 	}
 	if (*count == FIELD_DIMS)
-		return error_set(s->e, RNEAGEN_LIMIT, "%s: rnearun prove takes at most %d rows of an input", s->x->options.file, FIELD_DIMS);
+		return error_set(s->e, RNEAGEN_LIMIT, "%s: rnearun prove takes at most %d rows of inputs", s->x->options.file, FIELD_DIMS);
 	(is_rate ? f->rates : f->drives)[(*count)++] = (struct field_input){argument, row, number, scale,
 		{round_down(r.lower / scale), round_up(r.upper / scale)}, (uint32_t)(n - s->d->nodes)};
 	return RNEAGEN_OK;

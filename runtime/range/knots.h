@@ -24,8 +24,8 @@ struct knots {
 int knots_make(struct knots *k, const struct field *f, const struct effort *x, double seconds);
 void knots_free(struct knots *k);
 
-/* Where the highest waves of all outputs in an angle cancel but for rounding, its degree is less by one, as often as that is so: `f`, the
-   field of the knots, gets that degree, and noise by which the rest is bounded. Returns 0 when memory runs out. */
+/* Where the highest waves of all outputs in an angle cancel but for rounding, its degree is less by one, as often as that is so:
+   `f`, the field of the knots, gets that degree, and noise by which the rest is bounded. Returns 0 when memory runs out. */
 int knots_lower(struct knots *k, struct field *f);
 
 /* By what knots of dimension `dim` are multiplied for the value at a place x, as field_place has it, or for the second derivative

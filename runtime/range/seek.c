@@ -19,23 +19,6 @@ struct seeking {
 	unsigned long long seed;
 };
 
-double seek_value(const struct field *f, const double *c, const double *x)
-{
-	const double *v = x + f->drive_count;
-	double sum = c[0];
-
-	for (int i = 0; i < f->drive_count; i++)
-		sum += c[1 + i] * x[i];
-	for (int j = 0; j < f->rate_count; j++) {
-		double slope = c[1 + f->drive_count + j];
-
-		for (int k = j; k < f->rate_count; k++)
-			slope += c[field_pair(f, j, k)] * v[k];
-		sum += slope * v[j];
-	}
-	return sum;
-}
-
 /* What one thread works in. */
 struct room {
 	double *work, *coefficients, *scalars, *values;

@@ -14,7 +14,4 @@ struct sought {
 /* Into best, [output][2], smallest and largest, for about so many seconds. Returns 0 when memory runs out. */
 int seek_extremes(struct sought (*best)[2], const struct field *f, const struct effort *x, double seconds);
 
-/* The polynomial of an output at drives and rates. */
-double seek_value(const struct field *f, const double *coefficients, const double *x);
-
 #endif

@@ -126,6 +126,40 @@ static void count(MPI_Comm among, size_t *index, size_t *number)
 	*number = (size_t)n;
 }
 
+void ranks_close(struct ranks *r)
+{
+	struct ranks_state *s = r->state;
+
+	meet(r, s->all);
+	if (s->kept) {
+		fclose(s->kept);
+		stderr = s->spoken;
+		free(s->text);
+	}
+	MPI_Comm_free(&s->local);
+	MPI_Comm_free(&s->all);
+	MPI_Finalize();
+	pthread_mutex_destroy(&s->lock);
+	free(r->room);
+	free(s);
+}
+
+/* In all ranks or in none; one that fails says so. */
+static int make_room(struct ranks *r)
+{
+	int lacks, any;
+
+	r->room = calloc(r->count, RANKS_ROOM);
+	lacks = !r->room;
+	MPI_Allreduce(&lacks, &any, 1, MPI_INT, MPI_MAX, r->state->all);
+	if (!any)
+		return 1;
+	if (lacks)
+		fprintf(stderr, "rnearun: rank %zu: out of memory\n", r->index);
+	ranks_close(r);
+	return 0;
+}
+
 int ranks_open(struct ranks *r, int *argc, char ***argv)
 {
 	struct ranks_state *s = calloc(1, sizeof *s);
@@ -143,26 +177,11 @@ int ranks_open(struct ranks *r, int *argc, char ***argv)
 	count(s->all, &r->index, &r->count);
 	count(s->local, &r->local, &r->local_count);
 	r->threads = share_processors(s->local);
+	if (!make_room(r))
+		return 0;
 	if (r->index && freopen("/dev/null", "w", stdout))
 		keep_back(s);
 	return 1;
-}
-
-void ranks_close(struct ranks *r)
-{
-	struct ranks_state *s = r->state;
-
-	meet(r, s->all);
-	if (s->kept) {
-		fclose(s->kept);
-		stderr = s->spoken;
-		free(s->text);
-	}
-	MPI_Comm_free(&s->local);
-	MPI_Comm_free(&s->all);
-	MPI_Finalize();
-	pthread_mutex_destroy(&s->lock);
-	free(s);
 }
 
 /* ---- files ---- */

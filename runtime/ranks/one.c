@@ -3,6 +3,7 @@
 #include "ranks/ranks.h"
 #include <errno.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -15,13 +16,15 @@ struct ranks_file {
 int ranks_open(struct ranks *r, int *argc, char ***argv)
 {
 	(void)argc, (void)argv;
-	*r = (struct ranks){.count = 1, .local_count = 1};
-	return 1;
+	*r = (struct ranks){.count = 1, .local_count = 1, .room = calloc(1, RANKS_ROOM)};
+	if (!r->room)
+		fprintf(stderr, "rnearun: out of memory\n");
+	return r->room != NULL;
 }
 
 void ranks_close(struct ranks *r)
 {
-	(void)r;
+	free(r->room);
 }
 
 void ranks_gather(struct ranks *r, const void *mine, size_t size, void *all)

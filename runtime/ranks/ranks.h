@@ -10,12 +10,15 @@
 
 struct ranks_state;
 
+enum { RANKS_ROOM = 64 };
+
 struct ranks {
 	size_t index, count;       /* this one, of so many */
 	size_t local, local_count; /* the same among those of this machine */
 	unsigned threads;          /* its share of the processors; 0: all */
 	int are_shared;            /* ranks of MPI, be it one: what they read and write are files with places */
 	int is_at_fault;           /* ranks_agree: this is the first rank that failed */
+	void *room;                /* RANKS_ROOM bytes for each rank, which ranks_agree and ranks_tell use; others may between them */
 	struct ranks_state *state; /* private */
 };
 

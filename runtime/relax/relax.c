@@ -112,7 +112,8 @@ static enum rneagen_code declare(struct relaxing *s, struct dag *from)
 	*from = *s->d;
 	from->section_count = 0;
 	if (from->argument_count + 2 > DAG_ARGUMENTS)
-		return error_set(s->e, RNEAGEN_LIMIT, "%s: rnearun prove takes fewer inputs and outputs", r->text->options.file);
+		return error_set(s->e, RNEAGEN_LIMIT, "%s: %d inputs and outputs, and rnearun prove takes %d: free or want fewer",
+			r->text->options.file, from->argument_count, DAG_ARGUMENTS - 2);
 	if (s->position < 0) {
 		s->position = from->argument_count;
 		from->arguments[from->argument_count++] = (struct argument){.name = "q", .role = ROLE_JOINT_POSITION};

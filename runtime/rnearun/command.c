@@ -143,6 +143,13 @@ int command_fail(const struct command *c, const char *message)
 	return 1;
 }
 
+int command_flush(const struct command *c)
+{
+	struct rneagen_error e = {0};
+
+	return file_put_stdout_error("", &e) ? command_fail(c, e.message) : 0;
+}
+
 /* The command's options with the name by which messages call the URDF. */
 static struct rneagen_options named_options(const struct command *c)
 {
@@ -172,8 +179,8 @@ static void tell(const struct command *c, const struct rnea_build *build)
 		fprintf(stderr, "%s: what was compiled is not kept for the next time: %s\n", c->name, build->unkept);
 }
 
-/* For the processor alone a text of target c: its long functions are in segments, for which a compiler takes a fraction of the time
-   (gcc 12, gradients of g1_29dof, floating: less than a fifth). */
+/* For the processor alone a text of target c: its long functions are in segments, for which a compiler takes a fraction of the
+   time (gcc 12, gradients of g1_29dof, floating: less than a fifth). */
 static int is_for_host(const struct command *c)
 {
 	return c->open.backend == RNEA_BACKEND_HOST || (c->open.backend == RNEA_BACKEND_ANY && rnea_device_count(NULL) < 1);

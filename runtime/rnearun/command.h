@@ -90,4 +90,7 @@ int command_open(const struct command *c, const char *text, struct rnea_robot **
 /* "NAME: MESSAGE" on standard error, of several ranks "NAME: rank N: MESSAGE"; returns the exit status 1. */
 int command_fail(const struct command *c, const char *message);
 
+/* All that was printed is written: 0, or the exit status and a message that says why it is not. */
+int command_flush(const struct command *c);
+
 #endif

@@ -2,6 +2,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/files.h"
 #include "cli/options.h"
+#include "cli/pending.h"
+#include "core/scratch.h"
 #include "certify/run_check.h"
 #include "proved/run_prove.h"
 #include "study/run_choose.h"
@@ -64,6 +66,8 @@ int main(int argc, char **argv)
 	signal(SIGXFSZ, SIG_IGN);
 	if (!ranks_open(&ranks, &argc, &argv))
 		return 1;
+	/* what the library has for a compiler goes too when a signal ends the command */
+	pending_also(scratch_abandon);
 	status = ranks_agree(&ranks, run(&ranks, argc, argv));
 	ranks_close(&ranks);
 	/* mpirun tells of the rank that ends with another status than 0 */

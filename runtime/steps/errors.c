@@ -1,6 +1,6 @@
-/* A text computes v + e where v is exact. Of each operation e is a linear function of its operands' e, with the derivatives of the
-   exact operation for factors, plus what its own rounding and products of errors leave: its rest. So the output's e is exactly the sum
-   over all operations of (the output's derivative by it) times (its rest). */
+/* A text computes v + e where v is exact. Of each operation e is a linear function of its operands' e, with the derivatives of
+   the exact operation for factors, plus what its own rounding and products of errors leave: its rest. So the output's e is
+   exactly the sum over all operations of (the output's derivative by it) times (its rest). */
 #include "steps/errors.h"
 #include <math.h>
 
@@ -32,8 +32,8 @@ static double given(const struct errors *x, const struct node *n, double size, c
 	return off > 0 ? (double)off * MADE + 2 * m->tiny : 0;
 }
 
-/* The largest rounding of a result whose exact value is within `size`, where operands are so much off that it is `more` beyond: half a unit
-   in the last place, unit times the power of two at or below it. A pair of floats has no last place. */
+/* The largest rounding of a result whose exact value is within `size`, where operands are so much off that it is `more` beyond:
+   half a unit in the last place, unit times the power of two at or below it. A pair of floats has no last place. */
 static double rounding(const struct eval_model *m, double unit, double size, double more)
 {
 	double most = (size + more) * MADE;
@@ -53,7 +53,8 @@ static struct own own_sum(struct errors *x, uint32_t i, const struct eval_model 
 	return (struct own){inherited, rest + m->add * (inherited + x->product[i] + rest) + m->tiny};
 }
 
-/* How far the angle is off that a sine or cosine reads: an input is read as it is; what was computed by pairs is read as a double. */
+/* How far the angle is off that a sine or cosine reads: an input is read as it is; what was computed by pairs is read as a
+   double. */
 static double off_angle(const struct errors *x, uint32_t i, const struct eval_model *m)
 {
 	struct ref angle = x->d->nodes[i].arg[0];
@@ -203,7 +204,8 @@ static int are_products(const struct errors *x, uint32_t i, uint32_t k, uint32_t
 {
 	struct turn_term p, q;
 
-	if (!product_term(x, i, &p) || !product_term(x, k, &q) || p.angle != q.angle || p.is_sine == q.is_sine || p.other.form != q.other.form)
+	if (!product_term(x, i, &p) || !product_term(x, k, &q) || p.angle != q.angle || p.is_sine == q.is_sine ||
+		p.other.form != q.other.form)
 		return 0;
 	*factor = p.other.form;
 	return *factor > FORM_ONE;

@@ -25,7 +25,9 @@ struct errors {
 	struct twins *twins;
 	size_t twin_count;
 	double *off;             /* by node of the DAG: how far what is computed is from the exact value */
-	double *product, *sum;   /* what the rounding of a product, and of a sum, sine or cosine, takes from the exact value; of these also what the angle is off */
+	/* what the rounding of a product, and of a sum, sine or cosine, takes from the exact value; of these also what the angle
+	   is off */
+	double *product, *sum;
 };
 
 struct box_bound {

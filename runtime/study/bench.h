@@ -31,8 +31,8 @@ void bench_close(struct bench *b);
 int bench_driver(const struct bench *b);
 
 /* Launches of `robot` and of `floor`, which takes the same arrays, in turns. `arrays` are `count` samples in the program's
-   memory, in the order of rnea_info(); on a GPU copies of them are used. The outputs of the first `back` samples, at most `count`, are the
-   robot's then. Errors: as rnea_launch, DEVICE_MEMORY, MEMORY. */
+   memory, in the order of rnea_info(); on a GPU copies of them are used. The outputs of the first `back` samples, at most
+   `count`, are the robot's then. Errors: as rnea_launch, DEVICE_MEMORY, MEMORY. */
 enum rnea_code bench_measure(struct bench *b, const struct rnea_robot *robot, const struct rnea_robot *floor,
 	void *const *arrays, size_t count, size_t back, struct bench_time *time, struct rnea_error *e);
 

@@ -210,7 +210,7 @@ static void put_command(const struct choosing *c, const struct study_row *r, con
 	struct adjust adjust = a->adjust;
 
 	adjust.has_angles = adjust.has_angles && r->trig == RNEAGEN_BOUNDED;
-	text_put(out, "rneagen ");
+	text_printf(out, "rneagen %s", text_before_file(c->command.urdf));
 	text_put_shell(out, c->command.urdf);
 	emit_options(&o, out);
 	if (o.order) {
@@ -271,11 +271,10 @@ static int print(struct choosing *c)
 			say(c, &c->candidates[i], best, fastest);
 	say_measured(c);
 	if (c->proved)
-		puts("Proved bounds hold for every state within the limits of the joints and the ranges, over the largest ||ref|| of the samples.");
+		puts("Proved bounds hold for every state within the limits of the joints and the ranges, over the largest ||ref|| of "
+			"the samples.");
 	fputs(text_string(&command), stdout);
-	if (fflush(stdout) || ferror(stdout))
-		return command_fail(&c->command, "standard output: cannot be written");
-	return 0;
+	return command_flush(&c->command);
 }
 
 static int choose(struct choosing *c)

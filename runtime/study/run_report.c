@@ -155,7 +155,7 @@ static void gather(struct reporting *r, struct report *report)
 	report->ranks = ranks->count;
 }
 
-/* The command line as it was given: getopt_long will change the order of its words. */
+/* The command line as it was given, for a shell: getopt_long will change the order of its words. */
 static void put_command(struct reporting *r, int argc, char **argv)
 {
 	arena_init(&r->arena, NULL);
@@ -163,7 +163,7 @@ static void put_command(struct reporting *r, int argc, char **argv)
 	text_put(&r->words, "rnearun");
 	for (int i = 0; i < argc; i++) {
 		text_putc(&r->words, ' ');
-		text_put(&r->words, argv[i]);
+		text_put_shell(&r->words, argv[i]);
 	}
 }
 
@@ -192,9 +192,7 @@ static int print(struct reporting *r, const struct report *report)
 	} else {
 		report_put_table(report, stdout);
 	}
-	if (fflush(stdout) || ferror(stdout))
-		return command_fail(&r->command, "standard output: cannot be written");
-	return 0;
+	return command_flush(&r->command);
 }
 
 static int report(struct reporting *r)

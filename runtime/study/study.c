@@ -36,7 +36,7 @@ static enum rneagen_code open_floor(struct study *s, struct study_backend *b, en
 
 	text_init(&text, s->analysis.arena);
 	floor_text(d->arguments, d->argument_count, scalar, &text);
-	o.file = "the floor";
+	o.file = "the text that only copies the arrays";
 	if (text.failed)
 		error_memory(&s->error);
 	else if (rnea_open(text_string(&text), text.length, &o, &b->floors[scalar], &e))

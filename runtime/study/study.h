@@ -140,8 +140,8 @@ enum rneagen_code study_prove(struct study *s, double seconds);
    robot, which is NULL on failure. Errors: UNSUPPORTED, with the runtime's message, MEMORY. */
 enum rneagen_code study_build(struct study *s, struct study_row *row, struct rnea_robot **robot);
 
-/* Fill the times of batches of `batch` samples, and take the larger errors of these and of the row's, where the judge's samples are
-   among them. Errors: as study_build. */
+/* Fill the times of batches of `batch` samples, and take the larger errors of these and of the row's, where the judge's samples
+   are among them. Errors: as study_build. */
 enum rneagen_code study_time(struct study *s, const struct rnea_robot *robot, struct study_row *row, size_t batch);
 
 #endif

@@ -47,6 +47,26 @@ START_TEST(long_message_is_cut)
 }
 END_TEST
 
+/* What is wrong stands at the end, behind a name that may be long; characters stay whole. */
+START_TEST(long_name_leaves_the_reason)
+{
+	struct rneagen_error e;
+	char name[5000];
+
+	for (int n = 700; n < 780; n++) {
+		e.code = RNEAGEN_OK;
+		for (int i = 0; i < n; i += 2)
+			memcpy(name + i, "\xc3\xa4", 3);
+		error_set(&e, RNEAGEN_READ, "x%s: cannot be read: File name too long", name);
+		ck_assert_ptr_nonnull(strstr(e.message, "\xa4: cannot be read: File name too long"));
+		/* half a character before the gap, or after it */
+		ck_assert_ptr_null(strstr(e.message, "\xc3 "));
+		ck_assert_ptr_null(strstr(e.message, " \xa4"));
+		ck_assert_uint_lt(strlen(e.message), sizeof e.message);
+	}
+}
+END_TEST
+
 /* ---- arena ---- */
 
 /* An allocator that gives `left` blocks of sane size and then none, and counts what is out. */
@@ -335,6 +355,7 @@ static Suite *text_suite(void)
 	tcase_add_test(tc, every_code_has_a_text);
 	tcase_add_test(tc, first_error_is_kept);
 	tcase_add_test(tc, long_message_is_cut);
+	tcase_add_test(tc, long_name_leaves_the_reason);
 	tcase_add_test(tc, arena_gives_zeroed_aligned_memory);
 	tcase_add_test(tc, arena_refuses_what_size_t_cannot_hold);
 	tcase_add_test(tc, arena_strings);

@@ -135,8 +135,8 @@ static void check_case(const struct hard_case *c, const struct kind *kind)
 	fixture_close(&x);
 }
 
-/* The kinds in turn on the first three cases, f32 and f64 in turn on two of three others; where all is asked for, every kind on one, and
-   all cases. */
+/* The kinds in turn on the first three cases, f32 and f64 in turn on two of three others; where all is asked for, every kind on
+   one, and all cases. */
 START_TEST(hard_cases)
 {
 	if ((hard_is_long(&HARD_CASES[_i]) || (_i > 2 && _i % 3 == 2)) && !exhaustive())
@@ -163,7 +163,8 @@ static void check_own(const char *path, const char *name, void *turn)
 	putchar('\n');
 }
 
-/* In f32 and f64 in turn, two of every four, and those with rare joints; where all is asked for, all, in the other one than else. */
+/* In f32 and f64 in turn, two of every four, and those with rare joints; where all is asked for, all, in the other
+   one than else. */
 START_TEST(own_robots)
 {
 	int turn = 0;

@@ -25,7 +25,8 @@ enum { SEED = 3, SAMPLES = 200, ROWS = 3 };
 #define MIMIC                                                                                                          \
 	JOINT("j3", "prismatic", "b", "c", "0.2 0 0.3", "0 0 0",                                                       \
 		"<axis xyz='0 1 0'/><mimic joint='j2' multiplier='0.1' offset='0.2'/>")
-#define FIRST JOINT("j1", "revolute", "world", "a", "0 0 0", "0 0 0", "<axis xyz='0 1 0'/><dynamics damping='0.7' friction='0.4'/>")
+#define FIRST \
+	JOINT("j1", "revolute", "world", "a", "0 0 0", "0 0 0", "<axis xyz='0 1 0'/><dynamics damping='0.7' friction='0.4'/>")
 #define ROBOT(second, third)                                                                                           \
 	"<robot name='r'><link name='world'/>" LINK("a", "0.7", "0.1 -0.2 0.3") LINK("b", "0.1", "0.3 0.1 -0.7")        \
 	LINK("c", "0.3", "-0.1 0.1 0.2") FIRST second third "</robot>"

@@ -20,7 +20,8 @@ static int is_scale(const struct dag *d, uint32_t i, __float128 value)
 	return op_arity[d->nodes[i].op] == 0 && (value == 0 || fabsq(value) == scalbnq(1, ilogbq(value)));
 }
 
-static __float128 product(const struct dag *d, const struct node *n, const struct eval_model *m, struct rng *rng, const __float128 *v)
+static __float128 product(
+	const struct dag *d, const struct node *n, const struct eval_model *m, struct rng *rng, const __float128 *v)
 {
 	__float128 a = v[n->arg[0].i], b = v[n->arg[1].i];
 
@@ -57,7 +58,8 @@ static __float128 by_pairs(const struct f32x2 *f, const struct node *n, const __
 }
 
 /* Its sine reads all of an angle that is an input. */
-static __float128 turn_by_pairs(const struct f32x2 *f, const struct dag *d, const struct node *n, const double *const *in, __float128 angle)
+static __float128 turn_by_pairs(
+	const struct f32x2 *f, const struct dag *d, const struct node *n, const double *const *in, __float128 angle)
 {
 	const struct node *of = &d->nodes[n->arg[0].i];
 	float sine[2], cosine[2];

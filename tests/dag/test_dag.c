@@ -358,7 +358,8 @@ START_TEST(folding_carries_errors)
 	ck_assert(numbered(dag_mul(&dag, a, b)).e >= 4e-21L && numbered(dag_neg(&dag, b)).e == numbered(b).e);
 	ck_assert(numbered(dag_div(&dag, a, b)).e >= 8e-20L && numbered(dag_sqrt(&dag, b)).e > 2e-20L);
 	ck_assert(numbered(dag_sin(&dag, a)).e >= 1e-20L && numbered(dag_cos(&dag, a)).e > 0);
-	ck_assert(numbered(dag_sub(&dag, a, a)).e == 0 && numbered(dag_within(&dag, (struct within){.near = 1e-30L, .e = 1e-30L})).e == 0);
+	ck_assert(numbered(dag_sub(&dag, a, a)).e == 0 &&
+		  numbered(dag_within(&dag, (struct within){.near = 1e-30L, .e = 1e-30L})).e == 0);
 	ck_assert(numbered(dag.nodes[dag_mul(&dag, b, dag_mul(&dag, b, x)).i].arg[0]).e >= 8e-21L);
 	ck_assert(ref_equal(dag_mul(&dag, dag_within(&dag, one), x), x));
 	ck_assert(!ref_equal(dag_mul(&dag, dag_within(&dag, almost), x), x));

@@ -77,8 +77,8 @@ static void expect_sine(const struct checked *x, const struct line *l)
 	size_t place = l->index - (size_t)x->limbs->slots;
 
 	ck_assert_msg(l->index >= (size_t)x->limbs->slots && place < 2 * (size_t)first->count, "%s: a sine at %zu", x->what, l->index);
-	ck_assert_msg(first->angle[place / 2].i == n->arg[0].i && n->op == (place % 2 ? OP_COS : OP_SIN), "%s: %s stands elsewhere than at %zu",
-		x->what, x->whole->names[l->value.i], l->index);
+	ck_assert_msg(first->angle[place / 2].i == n->arg[0].i && n->op == (place % 2 ? OP_COS : OP_SIN),
+		"%s: %s stands elsewhere than at %zu", x->what, x->whole->names[l->value.i], l->index);
 }
 
 /* Writes of all warps, and what each has. */
@@ -189,8 +189,8 @@ static void expect_sum(const struct limbs *s, const char *what, struct arena *a)
 	ck_assert_msg(!s->warps || (s->sum <= sum && 100 * s->sum >= 95 * sum), "%s: %u operations, by lines %u", what, s->sum, sum);
 }
 
-/* With `first` to `last` warps, each four times as many, without sines that are made first and with them. Returns how many schedules
-   there were. */
+/* With `first` to `last` warps, each four times as many, without sines that are made first and with them. Returns how many
+   schedules there were. */
 static int check_text(const char *urdf, size_t length, const struct rneagen_options *o, const char *name, int first, int last)
 {
 	struct analysis a;
@@ -267,7 +267,8 @@ START_TEST(test_random)
 }
 END_TEST
 
-/* Catches a rule that gives each text as many warps: long ones have three where their code then fits, eight where more is saved. */
+/* Catches a rule that gives each text as many warps: long ones have three where their code then fits, eight where
+   more is saved. */
 static const struct chosen {
 	const char *name, *scene;
 	enum rneagen_base base;

@@ -252,7 +252,8 @@ START_TEST(test_own)
 }
 END_TEST
 
-/* It would catch outputs that are stored at the ends of their sections: elements of gradients then wait for all others of a joint. */
+/* It would catch outputs that are stored at the ends of their sections: elements of gradients then wait for all others of a
+   joint. */
 START_TEST(test_early)
 {
 	struct most x = order_robot("atlas", "want tau, dtau_dq, dtau_dqd"), panda = order_robot("panda", "want tau, dtau_dq, dtau_dqd");

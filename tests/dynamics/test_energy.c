@@ -181,14 +181,16 @@ START_TEST(energy)
 }
 END_TEST
 
-/* A link that --lock holds on the ground is no part of what moves, be it merged or, where that costs more, a body of its own: which
-   of both it is goes by what else is wanted. By hand the energy of b and c is g cos(held) (0.5 - 0.3 sin q_0 + 0.4 + q_1). */
+/* A link that --lock holds on the ground is no part of what moves, be it merged or, where that costs more, a body of its own:
+   which of both it is goes by what else is wanted. By hand the energy of b and c is g cos(held) (0.5 - 0.3 sin q_0 + 0.4 +
+   q_1). */
 START_TEST(held)
 {
-#define BODY(name, x, z, mass)                                                                                                                  \
-	"<link name='" name "'><inertial><origin xyz='" x " 0 " z "'/><mass value='" mass                                                       \
+#define BODY(name, x, z, mass)                                                            \
+	"<link name='" name "'><inertial><origin xyz='" x " 0 " z "'/><mass value='" mass \
 	"'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>"
-	static const char urdf[] = "<robot name='p'><link name='base'/>" BODY("a", "0", "1", "5") BODY("b", "0.3", "0", "1") BODY("c", "0.2", "0", "1")
+	static const char urdf[] =
+		"<robot name='p'><link name='base'/>" BODY("a", "0", "1", "5") BODY("b", "0.3", "0", "1") BODY("c", "0.2", "0", "1")
 		"<joint name='j1' type='continuous'><parent link='base'/><child link='a'/><axis xyz='1 0 0'/></joint>"
 		"<joint name='j2' type='continuous'><parent link='a'/><child link='b'/><origin xyz='0 0 0.5'/><axis xyz='0 1 0'/></joint>"
 		"<joint name='j3' type='prismatic'><parent link='a'/><child link='c'/><origin xyz='0 0 0.4'/><axis xyz='0 0 1'/>"

@@ -17,8 +17,9 @@ static const wide NOISE = 32 * 0x1p-53L;
 /* Least scaled pivots of M: below the first, M may be taken for singular; above the other, differences say something. */
 static const wide NONE = 1e-12L, FAIR = 1e-5L;
 
-static const char *const WAYS[] = {"dynamics factor\nderivatives forward\n", "dynamics articulated\nderivatives recursion\nparams base\n",
-	"dynamics factor\nderivatives recursion\nparams base\n", "dynamics articulated\nderivatives forward\n"};
+static const char *const WAYS[] = {"dynamics factor\nderivatives forward\n",
+	"dynamics articulated\nderivatives recursion\nparams base\n", "dynamics factor\nderivatives recursion\nparams base\n",
+	"dynamics articulated\nderivatives forward\n"};
 
 /* Of what is solved with M, and above truncation and rounding of the reference's differences. */
 static wide solved(const struct forward_case *f, wide size)
@@ -118,7 +119,8 @@ static void check_matrices(struct forward_case *f)
 					differed(f, largest(f, f->D[m])));
 }
 
-/* jvp = (d qdd/d q) v_q + (d qdd/d qd) v_qd + X v_tau, and vjp = lambda^T of the same matrices, which differences have checked. */
+/* jvp = (d qdd/d q) v_q + (d qdd/d qd) v_qd + X v_tau, and vjp = lambda^T of the same matrices, which
+   differences have checked. */
 static void check_products(struct forward_case *f)
 {
 	const real *blocks[3] = {f->out[OUT_DQ], f->out[OUT_DQD], f->out[OUT_MINV]};
@@ -319,10 +321,15 @@ END_TEST
 
 /* ---- one sample's mass ---- */
 
-static const char SLIDES[] = "<robot name='r'><link name='rail'/><link name='cart'><inertial><mass value='2'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
-	"</inertial></link><link name='tool'><inertial><mass value='1'/><inertia ixx='0' iyy='0' izz='0' ixy='0' ixz='0' iyz='0'/></inertial></link>"
-	"<joint name='a' type='prismatic'><parent link='rail'/><child link='cart'/><axis xyz='1 0 0'/><limit effort='1' velocity='1' lower='-1' upper='1'/></joint>"
-	"<joint name='b' type='prismatic'><parent link='cart'/><child link='tool'/><axis xyz='0.6 0 0.8'/><limit effort='1' velocity='1' lower='-1' upper='1'/></joint></robot>";
+static const char SLIDES[] =
+	"<robot name='r'><link name='rail'/><link name='cart'><inertial><mass value='2'/><inertia ixx='1' iyy='1' izz='1' "
+	"ixy='0' ixz='0' iyz='0'/>"
+	"</inertial></link><link name='tool'><inertial><mass value='1'/><inertia ixx='0' iyy='0' izz='0' ixy='0' ixz='0' "
+	"iyz='0'/></inertial></link>"
+	"<joint name='a' type='prismatic'><parent link='rail'/><child link='cart'/><axis xyz='1 0 0'/><limit effort='1' "
+	"velocity='1' lower='-1' upper='1'/></joint>"
+	"<joint name='b' type='prismatic'><parent link='cart'/><child link='tool'/><axis xyz='0.6 0 0.8'/><limit effort='1' "
+	"velocity='1' lower='-1' upper='1'/></joint></robot>";
 
 /* qdd of both joints for a mass of the tool: not finite where it is nothing, and else M qdd = tau. */
 START_TEST(freed_mass)

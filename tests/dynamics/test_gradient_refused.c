@@ -32,8 +32,9 @@ END_TEST
 /* A joint that is called what the floating base is called. */
 START_TEST(test_base)
 {
-	static const char urdf[] = "<robot name='r'><link name='a'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
-				   "</inertial></link><joint name='base' type='continuous'><parent link='a'/><child link='b'/></joint><link name='b'/></robot>";
+	static const char urdf[] =
+		"<robot name='r'><link name='a'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/>"
+		"</inertial></link><joint name='base' type='continuous'><parent link='a'/><child link='b'/></joint><link name='b'/></robot>";
 	struct rneagen_options o = rneagen_options_default();
 	struct rneagen_result r;
 	struct rneagen_error e;

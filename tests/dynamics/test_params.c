@@ -255,12 +255,12 @@ static void check_restated(uint64_t seed)
 		by[k] = (struct restatement){.turn = TURN_NONE, .ahead = TURN_NONE,
 			.regroup = (enum regroup)rng_below(&rng, REGROUP_COUNT)};
 		for (int i = 0; i < 3; i++)
-			if (restate_slides(b) && (i == b->axis || restate_floats(b)))
+			if (restate_slides(b) && (i == b->axis || b->type == JOINT_PRISMATIC))
 				by[k].slide[i] = within_exact((real)rng_uniform(&rng, -1, 1));
 		if (restate_turns(b))
 			by[k].turn = turn_of((struct sum){within_exact((real)rng_uniform(&rng, -1, 1)), 1},
 				(struct sum){within_exact(1), 1});
-		if (restate_turns(b) && !restate_floats(b))
+		if (restate_turns(b) && b->type != JOINT_PRISMATIC)
 			by[k].ahead = turn_of((struct sum){within_exact((real)rng_uniform(&rng, -1, 1)), 1},
 				(struct sum){within_exact(1), 1});
 	}

@@ -1,7 +1,7 @@
 /* jvp and vjp of sets of outputs: a wrong derivative of any output, by the state or by what is free or pushes, a row in the wrong
    place, a qdd found that stands still. Against differences of the outputs themselves, of a text without products, in extended
-   precision, in drawn scenes of random trees and of robots of this folder; and vjp is jvp transposed. Second derivatives, the jvp of the
-   vjp, against differences of the vjp. */
+   precision, in drawn scenes of random trees and of robots of this folder; and vjp is jvp transposed. Second derivatives, the jvp
+   of the vjp, against differences of the vjp. */
 #include "product_case.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"

@@ -194,7 +194,8 @@ START_TEST(number_too_large)
 	ck_assert_int_eq(error.code, RNEAGEN_OK);
 	number(-1e39L, RNEAGEN_F32);
 	ck_assert_int_eq(error.code, RNEAGEN_NUMBER);
-	ck_assert_str_eq(error.message, "here: a constant of the model, -1e+39, is no finite number in f32; take --precision f64, or mixed, whose constants are f64");
+	ck_assert_str_eq(error.message,
+		"here: a constant of the model, -1e+39, is no finite number in f32; take --precision f64, or mixed, whose constants are f64");
 	error = (struct rneagen_error){0};
 	number(1e39L, RNEAGEN_F64);
 	ck_assert_int_eq(error.code, RNEAGEN_OK);

@@ -337,7 +337,8 @@ START_TEST(only_rnea)
 		ck_assert_msg(!strstr(r.source, halves[i]), "%s", halves[i]);
 	for (int i = 0; i < 4 && v.target == RNEAGEN_TARGET_C; i++)
 		ck_assert_msg(!strstr(r.source, batches[i]) && !strstr(r.header, batches[i]), "%s", batches[i]);
-	ck_assert(strstr(r.source, v.target == RNEAGEN_TARGET_HEADER ? "r_rnea(const float *q" : "r_rnea(const float q[7]") && strstr(r.source, " --only rnea"));
+	ck_assert(strstr(r.source, v.target == RNEAGEN_TARGET_HEADER ? "r_rnea(const float *q" : "r_rnea(const float q[7]") &&
+		  strstr(r.source, " --only rnea"));
 	ck_assert(v.target == RNEAGEN_TARGET_HEADER ||
 		(strstr(r.source, "function rnea\\n") && !strstr(r.source, "function fpass")));
 	rneagen_result_free(&r);

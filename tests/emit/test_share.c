@@ -95,7 +95,7 @@ START_TEST(shares)
 	ck_assert_msg(!robot_read(&robot, urdf, strlen(urdf), "here", &a, &e) && !merged_tree(&tree, &k, &robot, &o, &a, &e),
 		"%llu: %s", (unsigned long long)seed, e.message);
 	dag_init(&whole, &a);
-	algorithm_find("rnea")->build(&whole, &tree, &k);
+	algorithm_rnea.build(&whole, &tree, &k);
 	ck_assert(!whole.failed);
 	compare(&whole, &rng, seed, &a);
 	arena_free(&a);

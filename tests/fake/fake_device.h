@@ -242,8 +242,8 @@ static void fake_begin(unsigned t, void (*run)())
 	fake_is_done[t] = false;
 }
 
-/* Each thread up to where it waits, the last one first in every other block: what only holds in one order fails. Returns how many are
-   done. Where none goes on, some wait for what does not come. */
+/* Each thread up to where it waits, the last one first in every other block: what only holds in one order fails. Returns how many
+   are done. Where none goes on, some wait for what does not come. */
 static unsigned fake_turn(unsigned block, bool is_from_last)
 {
 	const unsigned before = fake_steps;

@@ -25,8 +25,24 @@ extern "C" {
 size_t fake_limit, fake_launched, fake_failures;
 unsigned fake_grid, fake_block;
 }
-static size_t fake_most = 48 << 10;
 static void fake_entry(const void *kernel, void **arguments, unsigned grid, unsigned parts, unsigned block);
+
+/* What a launch of this kernel may give. */
+static size_t &fake_most(const void *kernel)
+{
+	static struct {
+		const void *kernel;
+		size_t bytes;
+	} all[64];
+
+	for (auto &x : all) {
+		if (!x.kernel)
+			x = {kernel, 48 << 10};
+		if (x.kernel == kernel)
+			return x.bytes;
+	}
+	__builtin_trap();
+}
 
 static cudaError_t fake_refuse()
 {
@@ -52,13 +68,13 @@ static cudaError_t fake_refuse()
 {
 	if (!kernel || attribute != cudaFuncAttributeMaxDynamicSharedMemorySize || value < 0 || (size_t)value > fake_limit)
 		return fake_refuse();
-	fake_most = (size_t)value;
+	fake_most(kernel) = (size_t)value;
 	return cudaSuccess;
 }
 
 static cudaError_t cudaLaunchKernel(const void *kernel, dim3 grid, dim3 block, void **arguments, size_t given, cudaStream_t)
 {
-	if (!kernel || given > fake_most || (given > 48 << 10 && given > fake_limit))
+	if (!kernel || given > fake_most(kernel) || (given > 48 << 10 && given > fake_limit))
 		return fake_refuse();
 	fake_launched = given;
 	fake_give((unsigned)given);

@@ -157,7 +157,9 @@ static void write_given(FILE *f, const struct program *p)
 	static const char mark[] = "_across[];";
 	const char *end = strstr(limbs_of(p->source), mark), *name = end;
 
-	fputs(end ? "#if RNEA_GIVEN_BYTES || defined RNEA_LIMBS || defined RNEA_SOLVE\n" : "#if RNEA_GIVEN_BYTES || defined RNEA_SOLVE\n", f);
+	fputs(end ? "#if RNEA_GIVEN_BYTES || defined RNEA_LIMBS || defined RNEA_SOLVE\n"
+		  : "#if RNEA_GIVEN_BYTES || defined RNEA_SOLVE\n",
+		f);
 	fputs("alignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];\n#endif\n", f);
 	while (name && name[-1] != ' ')
 		name--;
@@ -232,8 +234,8 @@ static int take_option(struct program *p, const char *option, char *command)
 	return 1;
 }
 
-/* Bytes of shared memory that a kernel has of its own: each array is a section of the image, which is a shared object, and a kernel
-   has one that counts. */
+/* Bytes of shared memory that a kernel has of its own: each array is a section of the image, which is a shared object, and a
+   kernel has one that counts. */
 static size_t own_shared(const char *image)
 {
 	const Elf64_Ehdr *head = (const void *)image;

@@ -72,8 +72,8 @@ static const char *without_guards(const char *s)
 	return without(s, "_RNEA_H ", NULL);
 }
 
-/* All texts of a result in one, less the URDF's hash, the numbers of headers' guards, which are of it, and the warnings, which name lines
-   of the file. */
+/* All texts of a result in one, less the URDF's hash, the numbers of headers' guards, which are of it, and the warnings, which
+   name lines of the file. */
 static const char *all_texts(const struct rneagen_result *r, int with_lines)
 {
 	struct text t;

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What the time of a sample depends on in a Python program: launches of one kernel back to back by CuPy, over batch sizes, where the
-arrays come from, how launches are queued, and what the arrays hold.
+"""What the time of a sample depends on in a Python program: launches of one kernel back to back by CuPy, over batch sizes, where
+the arrays come from, how launches are queued, and what the arrays hold.
 
 usage: replay.py FOLDER OUT.csv
 
@@ -31,7 +31,8 @@ VALUES = {  # of q, qd and qdd; beyond 1e4 an angle in f32 is reduced in another
     "normal": lambda n: cupy.random.standard_normal(n, cupy.float32),
     "zero": lambda n: cupy.zeros(n, cupy.float32),
     "beyond 1e4": lambda n: cupy.random.uniform(2e4, 1e7, n, cupy.float32),
-    "one of 1e5 beyond": lambda n: cupy.where(cupy.random.uniform(0, 1, n, cupy.float32) < 1e-5, cupy.float32(1e7), cupy.float32(1)),
+    "one of 1e5 beyond": lambda n: cupy.where(cupy.random.uniform(0, 1, n, cupy.float32) < 1e-5, cupy.float32(1e7),
+                                              cupy.float32(1)),
 }
 
 
@@ -42,7 +43,8 @@ class Text:
         self.block, self.parts = (int((re.findall(rf'"{word} (\d+)\\n"', source) or [1])[0]) for word in ("block", "parts"))
         table = source.split('"function rnea\\n"')[1].split('"function ')[0]
         self.arrays = [(name, int(rows)) for name, rows in re.findall(r'"(?:input|output) (\w+) (\d+) f32 sample', table)]
-        self.kernel = cupy.RawModule(code=source, backend="nvrtc").get_function(re.search(r"^(\w+_rnea_kernel)\(", source, re.M)[1])
+        self.kernel = cupy.RawModule(code=source,
+                                     backend="nvrtc").get_function(re.search(r"^(\w+_rnea_kernel)\(", source, re.M)[1])
         print(f"{self.name}: compiled in {time.perf_counter() - began:.1f} s, {self.kernel.num_regs} registers", flush=True)
 
     def launch(self, arrays, n):
@@ -111,7 +113,8 @@ def tell(name, rows):
     print(f"{name}: {usual:.0f} ps a sample")
     for r in rows:
         if float(r["ps_max"]) > 1.1 * usual:
-            print(f"    {float(r['ps']) / usual:.2f} times that: " + ", ".join(str(r[k]) for k in ("n", "memory", "queue", "values")))
+            print(f"    {float(r['ps']) / usual:.2f} times that: " +
+                  ", ".join(str(r[k]) for k in ("n", "memory", "queue", "values")))
 
 
 def main(folder, out):

@@ -151,7 +151,7 @@ static void open_model(struct hard *h)
 	m->tree = x->tree;
 	m->request = x->request;
 	dag_init(&m->raw[PASS_RNEA], &m->arena);
-	algorithm_find("rnea")->build(&m->raw[PASS_RNEA], &m->tree, &m->request);
+	algorithm_rnea.build(&m->raw[PASS_RNEA], &m->tree, &m->request);
 	dag_init(&m->dag[PASS_RNEA], &m->arena);
 	dag_fuse(&m->dag[PASS_RNEA], &m->raw[PASS_RNEA], 0);
 	if (m->dag[PASS_RNEA].failed)

@@ -22,7 +22,8 @@ static const struct {
 	{"mimic:double_pendulum", "range qdd=-5,9\nrange qd=-2,5\nrange q=-3,3"},
 	{"floating_joint", "range q=-1,1\nrange qdd=-5,9\nrange qd=-2,5"},
 	{"floating:double_pendulum", "range q=-1,1\nrange qdd=-5,9\nrange qd=-2,5"},
-	{"double_pendulum", "free payload.lower,gravity,offset.elbow\nrange payload.lower=0,2\nrange gravity=-9,9\nrange offset.elbow=-1,1\n"
+	{"double_pendulum",
+		"free payload.lower,gravity,offset.elbow\nrange payload.lower=0,2\nrange gravity=-9,9\nrange offset.elbow=-1,1\n"
 		"range q=-1,1\nrange qdd=-5,9\nrange qd=-2,5"},
 };
 _Static_assert(sizeof ROBOTS / sizeof *ROBOTS == RELAXED_BOX_CASES, "tests take them by their number");

@@ -20,8 +20,8 @@ enum { RELAXED_BOX_CASES = 15 };
 void relaxed_box_open(struct relaxed_box *s, const char *name, const char *scene);
 void relaxed_box_case(struct relaxed_box *s, int number);
 
-/* What the relaxed inputs are in the state that was drawn: the text's, and values of its nodes. They are in their ranges, those of
-   balls too, or the test fails. */
+/* What the relaxed inputs are in the state that was drawn: the text's, and values of its nodes. They are in their ranges, those
+   of balls too, or the test fails. */
 void relaxed_box_see(struct relaxed_box *s);
 
 /* Draws a state, and gives the values of all nodes of the relaxed DAG there. */

@@ -135,6 +135,23 @@ double robot_box_value(const struct robot_box *x, size_t output)
 	return (double)x->exact[o->argument][o->row];
 }
 
+double robot_box_polynomial(const struct field *f, const double *c, const double *x)
+{
+	const double *v = x + f->drive_count;
+	double sum = c[0];
+
+	for (int i = 0; i < f->drive_count; i++)
+		sum += c[1 + i] * x[i];
+	for (int j = 0; j < f->rate_count; j++) {
+		double slope = c[1 + f->drive_count + j];
+
+		for (int k = j; k < f->rate_count; k++)
+			slope += c[field_pair(f, j, k)] * v[k];
+		sum += slope * v[j];
+	}
+	return sum;
+}
+
 double robot_box_error(struct robot_box *x, size_t output, int is_float)
 {
 	const struct output *o = &x->analysis.dag.outputs[output];

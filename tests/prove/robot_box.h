@@ -18,7 +18,8 @@ struct robot_box {
 };
 
 /* The file tests/robots/NAME.urdf, with a floating base where the name begins with "floating:", its elbow following its
-   shoulder where it begins with "mimic:", in a scene, lines of it; gravity 0: as always, else along -z. Fails the test on any error. */
+   shoulder where it begins with "mimic:", in a scene, lines of it; gravity 0: as always, else along -z. Fails the test on any
+   error. */
 void robot_box_open(struct robot_box *x, const char *name, const char *scene, double gravity);
 void robot_box_close(struct robot_box *x);
 
@@ -31,6 +32,9 @@ void robot_box_evaluate(struct robot_box *x);
 
 /* The exact value of an output of the DAG's, by its number. */
 double robot_box_value(const struct robot_box *x, size_t output);
+
+/* The polynomial of an output of a field, at drives, then rates. */
+double robot_box_polynomial(const struct field *f, const double *coefficients, const double *x);
 
 /* |result of eval_f32 or eval_f64 - exact| of an output. */
 double robot_box_error(struct robot_box *x, size_t output, int is_float);

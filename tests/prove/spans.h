@@ -1,6 +1,7 @@
 #ifndef PROVE_SPANS_H
 #define PROVE_SPANS_H
-/* Drawn ranges of numbers, numbers in them, and whether MPFR's number is in one: for intervals, and for the spans of who checks. */
+/* Drawn ranges of numbers, numbers in them, and whether MPFR's number is in one: for intervals, and for the spans
+   of who checks. */
 
 #include "steps/outward.h"
 #include "support/rng.h"

@@ -233,7 +233,7 @@ static void check_cover(const struct cover *c, const struct field *f, const stru
 				double value;
 
 				extreme_corner(f, of, sign, x);
-				value = seek_value(f, of, x);
+				value = robot_box_polynomial(f, of, x);
 				ck_assert_msg(value >= c->lower[o] && value <= c->upper[o], "output %d: %g is not from %g to %g", o, value, c->lower[o],
 					c->upper[o]);
 			}

@@ -1,5 +1,5 @@
-/* What rnearun prove proves holds in states drawn over the box and at its corners, in quad precision, and for texts in f32 and f64; a
-   proof of another robot, of fewer roundings, or of a smaller box is seen not to hold. RNEAGEN_ALL: 64 000 states. */
+/* What rnearun prove proves holds in states drawn over the box and at its corners, in quad precision, and for texts in f32 and
+   f64; a proof of another robot, of fewer roundings, or of a smaller box is seen not to hold. RNEAGEN_ALL: 64 000 states. */
 #include "dag/eval.h"
 #include "emit/number_type.h"
 #include "prove/robot_box.h"
@@ -46,10 +46,13 @@ static const struct proof_case {
 	{"floating_joint", "range q=-1,1\nrange qdd=-20,20\nrange qd=-2,2", 0, 0},
 	{"floating:hyq", "range qdd=-20,20\nrange qd=-2,2", 0, 0},
 	{"floating:double_pendulum", "range qdd=-20,20\nrange qd=-2,2\nrange q=-1,1\nwant gravity", 1.05, 0},
-	{"double_pendulum", "free payload.lower,mass.upper\nrange payload.lower=0,2\nrange mass.upper=1,2\nrange q=-1,1\nrange qdd=-2,2\nrange qd=-2,2", 1.1, 0},
+	{"double_pendulum",
+		"free payload.lower,mass.upper\nrange payload.lower=0,2\nrange mass.upper=1,2\nrange q=-1,1\nrange qdd=-2,2\nrange qd=-2,2",
+		1.1, 0},
 	{"double_pendulum",
 		"free inertia.lower,gravity,offset.elbow\nrange inertia.lower=1,2\nrange gravity=-9,9\nrange offset.elbow=-1,1\nrange q=-1,1\n"
-		"range qdd=-2,2\nrange qd=-2,2", 0, 0},
+		"range qdd=-2,2\nrange qd=-2,2",
+		0, 0},
 };
 enum { CASE_COUNT = sizeof CASES / sizeof *CASES };
 
@@ -145,8 +148,8 @@ START_TEST(test_holds)
 }
 END_TEST
 
-/* Ranges by the URDF's constants, errors of a text by base parameters: both hold, and errors are not those of the URDF's text. Would
-   catch one taken for the other. */
+/* Ranges by the URDF's constants, errors of a text by base parameters: both hold, and errors are not those of the URDF's text.
+   Would catch one taken for the other. */
 START_TEST(test_stated)
 {
 	struct rng r = rng_seed(SEED);

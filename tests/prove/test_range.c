@@ -8,7 +8,6 @@
 #include "range/extreme.h"
 #include "range/knots.h"
 #include "range/magnitude.h"
-#include "range/seek.h"
 #include "support/suite.h"
 #include <math.h>
 #include <stdio.h>
@@ -55,7 +54,7 @@ static void check_field(struct relaxed_box *s, const struct field *f, struct rng
 		field_values(f, &q, over, scalars, values);
 		for (int o = 0; o < f->output_count; o++) {
 			const double *of = c + (size_t)o * f->coefficient_count;
-			double exact = robot_box_value(x, (size_t)f->outputs[o]), value = seek_value(f, of, over);
+			double exact = robot_box_value(x, (size_t)f->outputs[o]), value = robot_box_polynomial(f, of, over);
 			double noise = f->noise[o] * (double)f->coefficient_count + 1e-12 * fabs(exact);
 
 			ck_assert_msg(fabs(value - exact) <= noise, "%g is not %g", value, exact);
@@ -107,7 +106,7 @@ START_TEST(test_corners)
 		field_evaluate(&s.fields[0], &q, work, c);
 		most = extreme_above(&s.fields[0], c, 1, -1e300);
 		told = extreme_corner(&s.fields[0], c, 1, x);
-		ck_assert(seek_value(&s.fields[0], c, x) <= most && told <= most * (1 + 1e-9) + 1e-9);
+		ck_assert(robot_box_polynomial(&s.fields[0], c, x) <= most && told <= most * (1 + 1e-9) + 1e-9);
 		for (int k = 0; k < 200; k++) {
 			for (int j = 0; j < s.fields[0].drive_count + s.fields[0].rate_count; j++) {
 				struct interval range = j < s.fields[0].drive_count ? s.fields[0].drives[j].range
@@ -117,7 +116,7 @@ START_TEST(test_corners)
 				over[j] = rng_chance(&r, 0.7) ? (rng_chance(&r, 0.5) ? range.lower : range.upper)
 					: rng_uniform(&r, range.lower, range.upper);
 			}
-			ck_assert(seek_value(&s.fields[0], c, over) <= most);
+			ck_assert(robot_box_polynomial(&s.fields[0], c, over) <= most);
 		}
 	}
 	free(c);
@@ -152,7 +151,7 @@ static void check_bends(const struct field *f, const struct curvature *bends, st
 			field_place(&f->dims[k], at + (t - 1) * step, q.x[k]);
 			field_evaluate(f, &q, work, c);
 			for (int o = 0; o < f->output_count; o++)
-				y[t][o] = seek_value(f, c + (size_t)o * f->coefficient_count, x);
+				y[t][o] = robot_box_polynomial(f, c + (size_t)o * f->coefficient_count, x);
 		}
 		for (int o = 0; o < f->output_count; o++)
 			ck_assert_msg(fabs(y[0][o] - 2 * y[1][o] + y[2][o]) / (step * step) <=

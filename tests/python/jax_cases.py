@@ -1,20 +1,22 @@
 """What is tested of JAX's arrays on the processor and on a GPU alike. The test sets JAX up before it imports this."""
 import importlib
 import pickle
+import pydoc
 import sys
 import threading
 from pathlib import Path
 from types import SimpleNamespace
 
-from support import SEED, error_of, exhaustive, need, package, refused, robot_file
+from support import SEED, error_of, exhaustive, need, package, refused, robot_file, skip
 
 rneagen, np = package()
 jax, = need("jax")
 try:
     import rneagen.jax
 except rneagen.Error as error:
-    from support import skip
     skip(str(error))
+if not rneagen.jax._jax_operator._core.xla_handlers():
+    skip("the package was built without XLA's header")
 import jax.numpy as jnp
 from jax.sharding import NamedSharding, PartitionSpec
 from jax.test_util import check_grads
@@ -28,7 +30,8 @@ jax.config.update("jax_default_matmul_precision", "highest")
 LIMITS = {"float32": 2e-4, "float64": 1e-11}
 shard_map = getattr(jax, "shard_map", None) or importlib.import_module("jax.experimental.shard_map").shard_map
 compiled = []
-jax.monitoring.register_event_duration_secs_listener(lambda event, *rest, **more: compiled.append(event) if "backend_compile" in event else None)
+jax.monitoring.register_event_duration_secs_listener(
+    lambda event, *rest, **more: compiled.append(event) if "backend_compile" in event else None)
 
 
 def load(name, **scene):
@@ -53,12 +56,14 @@ def unit(robot, q):
     for joint in robot.joints:
         if joint["nq"] != joint["nv"]:
             i = joint["iq"] + 3
-            q = jnp.concatenate([q[..., :i], q[..., i:i + 4] / jnp.linalg.norm(q[..., i:i + 4], axis=-1, keepdims=True), q[..., i + 4:]], -1)
+            q = jnp.concatenate([q[..., :i], q[..., i:i + 4] / jnp.linalg.norm(q[..., i:i + 4], axis=-1, keepdims=True),
+                                 q[..., i + 4:]], -1)
     return q
 
 
 def check_gradient(name, **scene):
-    """Forward and backward, beside differences; freed constants are drawn too, which the scene's own draw leaves at the URDF's."""
+    """Forward and backward, beside differences; freed constants are drawn too, which the scene's own draw leaves at the
+    URDF's."""
     robot, draw = load(name, **scene), np.random.default_rng(SEED)
     x = [jnp.asarray(draw.normal(size=a.shape if a.per_batch else (2, *a.shape))) for a in robot.inputs]
     at = [a.role for a in robot.inputs].index("joint_position")
@@ -109,7 +114,8 @@ def case_gradients():
     check_gradient("mimic_chain")
     check_gradient("cartpole", base="floating")
     check_gradient("root_with_mass", base="floating", want="qdd")
-    arm = {"free": ["gravity", "payload.lower", "mass.upper:sample", "inertia.lower", "offset.shoulder"], "fext": ["lower"], "damping": True}
+    arm = {"free": ["gravity", "payload.lower", "mass.upper:sample", "inertia.lower", "offset.shoulder"], "fext": ["lower"],
+           "damping": True}
     check_gradient("double_pendulum", **arm)
     check_gradient("double_pendulum", want=["M", "bias", "gravity", "tau"], **arm)
     if exhaustive():
@@ -124,7 +130,8 @@ def case_gradients():
 
 
 def case_gradients_of_sets():
-    """In f64, forward and backward, of poses and of several outputs at once, some of them matrices; freed constants and wrenches too."""
+    """In f64, forward and backward, of poses and of several outputs at once, some of them matrices; freed constants and wrenches
+    too."""
     arm = {"free": ["gravity", "payload.lower", "mass.upper:sample", "offset.shoulder"], "fext": ["lower"], "damping": True}
     check_gradient("double_pendulum", want=["qdd", "pose.lower", "kinetic", "accel.lower"], fext_frame="world", **arm)
     check_gradient("cartpole", base="floating", want=["pose.pole", "com", "momentum", "tau"], pose="quaternion")
@@ -138,8 +145,8 @@ def case_gradients_of_sets():
 
 
 def case_one_sweep():
-    """Derivatives of two outputs are made by one text, and those of one output by a text of that alone, forward too. What fold= makes
-    constant has none."""
+    """Derivatives of two outputs are made by one text, and those of one output by a text of that alone, forward too. What fold=
+    makes constant has none."""
     robot = load("double_pendulum", want=["tau", "pose.lower"], gravity=(0, 1, -9))
     x, made = arrays(robot, 4), rneagen.jax._jax_operator.operator_of(robot).gradients.made
 
@@ -161,7 +168,8 @@ def case_one_sweep():
     still = load("double_pendulum", want=["kinetic", "tau"], fold={"qd": 0})
     assert not jax.grad(lambda q: still(q, x[2]).kinetic.sum())(x[0]).any()
     along = jax.jvp(lambda q: still(q, x[2]), (x[0],), (x[1],))[1]
-    assert not along.kinetic.any() and near(along.tau, jax.jvp(lambda q: load("double_pendulum", fold={"qd": 0})(q, x[2]), (x[0],), (x[1],))[1])
+    at_rest = load("double_pendulum", fold={"qd": 0})
+    assert not along.kinetic.any() and near(along.tau, jax.jvp(lambda q: at_rest(q, x[2]), (x[0],), (x[1],))[1])
 
 
 def case_left_out():
@@ -203,12 +211,15 @@ def case_vmap():
     q, qd, qdd, *held = arrays(both, 4)
     forward, back = (jax.vmap(jax.vmap(lambda *x: each(lambda *y: both(*x, *y), (0, 1))(*held)))(q[None], qd[None], qdd[None])
                      for each in (jax.jacfwd, jax.jacrev))
-    assert all(near(a, b) for a, b in zip(jax.tree.leaves(forward), jax.tree.leaves(back))) and forward.tau[0].shape == (1, 4, 2, 3)
-    refused(NotImplementedError, ["vmap", "payload_lower", ":sample"], jax.vmap(robot, (None, None, None, 0)), q, qd, qdd, jnp.zeros((4, 10)))
+    assert all(near(a, b) for a, b in zip(jax.tree.leaves(forward), jax.tree.leaves(back)))
+    assert forward.tau[0].shape == (1, 4, 2, 3)
+    refused(NotImplementedError, ["vmap", "payload_lower", ":sample"], jax.vmap(robot, (None, None, None, 0)), q, qd, qdd,
+            jnp.zeros((4, 10)))
 
 
 def case_second():
-    """Hessians beside differences of gradients; floating bases, whose twists do not commute; a Hessian times vectors in one call."""
+    """Hessians beside differences of gradients; floating bases, whose twists do not commute; a Hessian times vectors in one
+    call."""
     for name, options in (("double_pendulum", {"want": ["qdd", "kinetic"]}), ("iiwa14", {"want": ["tau", "pose.iiwa_link_7"]}),
                           ("cartpole", {"base": "floating"})):
         robot = load(name, **options)
@@ -238,7 +249,8 @@ def case_positions():
 
 
 def case_transforms():
-    """scan, checkpoint, linearize, linear_transpose and a gradient of a gradient's user; what has no second derivatives says so."""
+    """scan, checkpoint, linearize, linear_transpose and a gradient of a gradient's user; what has no second derivatives says
+    so."""
     robot = load("double_pendulum", want="qdd")
     q, qd, tau = (x[0] for x in arrays(robot, 1))
 
@@ -335,7 +347,8 @@ def case_refusals():
     refused(TypeError, ["out", "written"], robot, q, qd, qdd, out=qdd)
     refused(TypeError, ["bind", "jax.jit"], robot.bind, q, qd, qdd)
     refused(TypeError, ["sparse"], robot.want("M", sparse=True), q)
-    refused(TypeError, ["mujoco"], load("cartpole", base="floating", convention="mujoco"), *arrays(load("cartpole", base="floating"), 2))
+    refused(TypeError, ["mujoco"], load("cartpole", base="floating", convention="mujoco"),
+            *arrays(load("cartpole", base="floating"), 2))
     refused(TypeError, ["float64", "float32"], load("iiwa14", precision="f32"), q, qd, qdd)
     jax.config.update("jax_enable_x64", False)
     try:
@@ -360,11 +373,12 @@ def case_programs():
 
 
 def case_unfit():
-    """A build without XLA's header, and a JAX that is too old, say so."""
-    operator = rneagen.jax._jax_operator
+    """A build without XLA's header says so when it is called, and help() works; a JAX that is too old says so."""
+    operator, robot = rneagen.jax._jax_operator, load("iiwa14", want="gravity")
     core, operator._core = operator._core, SimpleNamespace(xla_handlers=lambda: {})
     try:
-        refused(rneagen.BackendError, ["JAX", "jaxlib", "build"], importlib.reload, rneagen.jax)
+        assert "jax.grad" in pydoc.render_doc(importlib.reload(rneagen.jax))
+        refused(rneagen.BackendError, ["JAX", "jaxlib", "build"], robot, *arrays(robot, 2))
     finally:
         operator._core = core
     version, jax.__version_info__ = jax.__version_info__, (0, 4, 38)

@@ -97,7 +97,8 @@ def ranks(count, *words, backend="cpu", **how):
 def ranks_by(count, script, *words, **how):
     """Each rank by a script of the shell, with $RANK, which ends in `exec "$@"`."""
     start = "RANK=${OMPI_COMM_WORLD_RANK:-${PMIX_RANK:-$PMI_RANK}}; "
-    return run(["mpirun", "-n", str(count), "sh", "-c", start + script, "sh", RNEARUN_MPI, "eval", *words, "--backend", "cpu"], **how)
+    return run(["mpirun", "-n", str(count), "sh", "-c", start + script, "sh", RNEARUN_MPI, "eval", *words, "--backend", "cpu"],
+               **how)
 
 
 def same(path, other, what):

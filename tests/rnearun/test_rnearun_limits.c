@@ -5,6 +5,8 @@
 #include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -107,6 +109,52 @@ START_TEST(test_interrupted)
 }
 END_TEST
 
+/* A compiler that takes long, and leaves a file in TMPDIR; it ends when that folder is gone. */
+static void put_compiler(void)
+{
+	FILE *f = fopen("slow_cc", "w");
+
+	ck_assert_ptr_nonnull(f);
+	fputs("#!/bin/sh\n"
+	      "[ \"$1\" != --version ] || exit 0\n"
+	      ": >\"$TMPDIR/part.s\" && : >started\n"
+	      "for i in $(seq 200); do [ ! -d \"$TMPDIR\" ] || sleep 0.1; done\n",
+		f);
+	ck_assert_int_eq(fclose(f), 0);
+	ck_assert_int_eq(chmod("slow_cc", 0700), 0);
+}
+
+/* What the library has made for a compiler is gone too. */
+START_TEST(test_compiler_interrupted)
+{
+	static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+	int status;
+	pid_t pid;
+
+	put_compiler();
+	file_put_sparse("small.npy", 10, 21);
+	pid = fork();
+	ck_assert_int_ge(pid, 0);
+	if (!pid) {
+		signal(numbers[_i], SIG_DFL);
+		setenv("RNEA_CC", "./slow_cc", 1);
+		setenv("RNEA_CACHE", "", 1);
+		setenv("TMPDIR", realpath(".", NULL), 1);
+		execl(rnearun, rnearun, "eval", IIWA, "--in", "small.npy", "--out", "/dev/null", "--backend", "cpu", NULL);
+		_exit(127);
+	}
+	while (!count_files("started") && !waitpid(pid, NULL, WNOHANG))
+		usleep(10000);
+	ck_assert_int_eq(count_files("rnea-"), 1);
+	ck_assert_int_eq(kill(pid, numbers[_i]), 0);
+	ck_assert_int_eq(waitpid(pid, &status, 0), pid);
+	ck_assert(WIFSIGNALED(status) && WTERMSIG(status) == numbers[_i]);
+	ck_assert_int_eq(count_files("rnea-"), 0);
+	unlink("started");
+	unlink("slow_cc");
+}
+END_TEST
+
 /* A limit on the length of files stands for a full disk; what was there before stays. */
 START_TEST(test_full)
 {
@@ -130,6 +178,7 @@ TCase *case_limits(void)
 	tcase_set_timeout(c, 120);
 	tcase_add_test(c, test_memory);
 	tcase_add_loop_test(c, test_interrupted, 0, 3);
+	tcase_add_loop_test(c, test_compiler_interrupted, 0, 3);
 	tcase_add_test(c, test_full);
 	return c;
 }

@@ -33,7 +33,8 @@ START_TEST(entries)
 		const struct algorithm *x = ALGORITHMS[i];
 		int outputs = 0;
 
-		ck_assert_ptr_eq(algorithm_find(x->name), x); /* nobody else has the name */
+		for (int k = 0; k < i; k++)
+			ck_assert_str_ne(ALGORITHMS[k]->name, x->name);
 		ck_assert_msg(identifier_is(x->name) && strlen(x->name) < 64, "%s", x->name);
 		ck_assert_msg(x->doc && x->brief, "%s: no comment", x->name);
 		for (const struct algorithm_array *a = x->arrays; a->name; a++) {
@@ -42,7 +43,6 @@ START_TEST(entries)
 		}
 		ck_assert_msg(outputs, "%s: no outputs", x->name);
 	}
-	ck_assert_ptr_null(algorithm_find("none"));
 }
 END_TEST
 

@@ -346,7 +346,7 @@ START_TEST(exact)
 
 	open_scene(&m, text, EXACTS[_i].base, EXACTS[_i].scene, "");
 	dag_init(&raw, &m.arena);
-	algorithm_find("rnea")->build(&raw, &m.tree, &m.analysis.request);
+	algorithm_rnea.build(&raw, &m.tree, &m.analysis.request);
 	ck_assert(draw_inputs(&x, &m.tree, &m.analysis.request, &FELT_SAMPLES, &m.arena));
 	n = (struct naive){.d = &raw, .value = arena_alloc(&m.arena, raw.count, sizeof(double)),
 		.slope = arena_alloc(&m.arena, raw.count, sizeof(double)),

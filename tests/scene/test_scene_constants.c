@@ -302,7 +302,8 @@ static const struct refused {
 	{"drop-below 1", "here: scene line 1, drop-below: takes a fraction from 0 to below 1, not 1"},
 	{"drop-below 0.1:often", "here: scene line 1, drop-below: takes FRACTION or FRACTION:sampled, not '0.1:often'"},
 	{"drop-below x:sampled", "here: scene line 1, drop-below: takes a finite number, not 'x'"},
-	{"range qd=-1,1\ndrop-below 0.1", "here: scene line 2, drop-below: no limit is known of qdd: give --range NAME=LOWER,UPPER for each, or "
+	{"range qd=-1,1\ndrop-below 0.1",
+		"here: scene line 2, drop-below: no limit is known of qdd: give --range NAME=LOWER,UPPER for each, or "
 		"FRACTION:sampled, which proves nothing"},
 	{"drop-below -0.1", "here: scene line 1, drop-below: takes a fraction from 0 to below 1, not -0.1"},
 	{"round-constants 18", "here: scene line 1, round-constants: takes a whole number from 1 to 17, not 18"},

@@ -36,5 +36,6 @@ def faults(path):
     for i, (text, (left, top, right, bottom)) in enumerate(placed):
         if left < 0 or top < 0 or right > width or bottom > height:
             found.append(f"'{text}' is cut off")
-        found += [f"'{text}' stands on '{other}'" for other, b in placed[:i] if left < b[2] and b[0] < right and top < b[3] and b[1] < bottom]
+        found += [f"'{text}' stands on '{other}'" for other, b in placed[:i] if left < b[2] and b[0] < right and top < b[3] and
+                  b[1] < bottom]
     return found

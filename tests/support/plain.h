@@ -32,6 +32,15 @@ static inline struct rotation exact_rpy(const double rpy[3])
 	return rotation_rpy(angles);
 }
 
+static inline int is_identity(const struct rotation *r)
+{
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			if (r->m[i][j].x != (i == j))
+				return 0;
+	return 1;
+}
+
 /* v turned by r */
 static inline void turned(const struct rotation *r, const real v[3], real out[3])
 {

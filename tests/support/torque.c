@@ -53,7 +53,7 @@ int torque_dag(struct dag *d, struct tree *t, const struct robot *r, const struc
 	if (merged_tree(t, &k, r, o, a, &e))
 		return 0;
 	dag_init(&raw, a);
-	algorithm_find("rnea")->build(&raw, t, &k);
+	algorithm_rnea.build(&raw, t, &k);
 	dag_init(d, a);
 	dag_fuse(d, &raw, 0);
 	ck_assert(!d->failed);

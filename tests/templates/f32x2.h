@@ -1,6 +1,7 @@
 #ifndef TESTS_F32X2_H
 #define TESTS_F32X2_H
-/* The functions of templates/arithmetic/f32x2.in and sincos_f32x2_*.in, as one compiler setting makes them; a[0] + a[1] is a number. */
+/* The functions of templates/arithmetic/f32x2.in and sincos_f32x2_*.in, as one compiler setting makes them; a[0] + a[1] is a
+   number. */
 
 struct f32x2 {
 	const char *name;

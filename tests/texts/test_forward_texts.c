@@ -287,10 +287,10 @@ END_TEST
 
 /* ---- three kernels in a row ---- */
 
-/* shadow_hand_right: other fingers' rows are in a column of qdd, and not of tau. panda: fingers slide. atlas: legs and arms do not feel
-   each other, which stands in a dense matrix; with one of each they are parts of the first kernel. hyq and panda float: their elements
-   that -d tau leaves zero are read. So many samples are a small batch for the first kernel of hyq in f64 and of atlas too, and a large one
-   for that of the others. */
+/* shadow_hand_right: other fingers' rows are in a column of qdd, and not of tau. panda: fingers slide. atlas: legs and arms do
+   not feel each other, which stands in a dense matrix; with one of each they are parts of the first kernel. hyq and panda float:
+   their elements that -d tau leaves zero are read. So many samples are a small batch for the first kernel of hyq in f64 and of
+   atlas too, and a large one for that of the others. */
 static const struct relayed {
 	const char *name;
 	enum rneagen_precision precision;
@@ -336,7 +336,9 @@ START_TEST(relay)
 	if (exhaustive() ? _i < RELAYED_COUNT - LONG_COUNT : _i == 1 || _i == 4)
 		run_on(&m, &o, &t, RNEA_BACKEND_CUDA, SEED);
 	if (exhaustive() || _i != 1)
-		run_as(&m, &o, &t, (struct rnea_options){.backend = RNEA_BACKEND_CUDA, .cache = "", .compile = no_limbs, .compile_count = 1}, SEED);
+		run_as(&m, &o, &t,
+			(struct rnea_options){.backend = RNEA_BACKEND_CUDA, .cache = "", .compile = no_limbs, .compile_count = 1},
+			SEED);
 	if (exhaustive() && (x->tip || !strcmp(x->name, "panda")))
 		run_on(&m, &o, &t, RNEA_BACKEND_HOST, SEED);
 	target_close(&t);

@@ -1,7 +1,7 @@
-/* Batches of every size beside the independent reference, in texts for target C: whole groups of samples, those that are left over
-   and computed beside others or beside copies, samples that are turned in layout aos, and large angles among them. Arrays end where
-   a page begins that traps. This would catch a sample that is left out or computed from another's inputs, a row that is turned to
-   another's place, and a group that reads or writes beyond the batch. */
+/* Batches of every size beside the independent reference, in texts for target C: whole groups of samples, those that are left
+   over and computed beside others or beside copies, samples that are turned in layout aos, and large angles among them. Arrays
+   end where a page begins that traps. This would catch a sample that is left out or computed from another's inputs, a row that is
+   turned to another's place, and a group that reads or writes beyond the batch. */
 #include "reference/reference.h"
 #include "support/exhaustive.h"
 #include "support/rng.h"

@@ -1,7 +1,7 @@
 /* Gradients of long chains, whose coordinates go back to the base in loops, of torques, and of accelerations, whose columns are
-   solved in a loop behind them: one sample's and a batch's, compiled as C, beside central differences of the independent reference.
-   This would catch a coordinate that another one's vector writes over, an element in another's place, one that no loop makes, and
-   what is shared but made too late. */
+   solved in a loop behind them: one sample's and a batch's, compiled as C, beside central differences of the independent
+   reference. This would catch a coordinate that another one's vector writes over, an element in another's place, one that no loop
+   makes, and what is shared but made too late. */
 #include "texts/kernels/launched.h"
 #include "reference/differences.h"
 #include "reference/forward.h"

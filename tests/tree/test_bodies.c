@@ -79,7 +79,7 @@ START_TEST(axis_of)
 		k = &p.t.bodies[0];
 		ck_assert_int_eq(k->axis, a->axis);
 		ck_assert_int_eq(k->sign, a->sign);
-		ck_assert_int_eq(!rotation_is_identity(&k->frame), a->turned);
+		ck_assert_int_eq(!is_identity(&k->frame), a->turned);
 		for (int e = 0; e < 3; e++)
 			check_close(k->frame.m[e][k->axis].x * k->sign, a->n[e], 1e-15L, a->xyz);
 		read_free(&p.from);
@@ -251,7 +251,7 @@ START_TEST(offsets_are_placed)
 	plant(&p, urdf, RNEAGEN_FIXED, RNEAGEN_MIMIC_HONOUR);
 	plain(shift, p.t.bodies[1].X.p, 3);
 	ck_assert(shift[0] == 1 && shift[1] == 1.5L && shift[2] == 3);
-	ck_assert(rotation_is_identity(&p.t.bodies[1].X.R));
+	ck_assert(is_identity(&p.t.bodies[1].X.R));
 	/* -z by +pi/2 is z by -pi/2, exactly */
 	ck_assert(p.t.bodies[2].X.R.m[0][1].x == 1 && p.t.bodies[2].X.R.m[1][0].x == -1 && p.t.bodies[2].X.R.m[0][0].x == 0);
 	ck_assert_str_eq(p.t.bodies[3].joint, "skew");

@@ -199,8 +199,8 @@ START_TEST(rpy_of_right_angles_is_exact)
 		struct rotation r = exact_rpy(rpy), t = rotation_transpose(&r), one = rotation_mul(&r, &t);
 
 		ck_assert_int_eq(zeros(&r), 6);
-		ck_assert(rotation_is_identity(&one));
-		ck_assert_int_eq(rotation_is_identity(&r), !memcmp(rpy, (double[3]){0, 0, 0}, sizeof rpy) ||
+		ck_assert(is_identity(&one));
+		ck_assert_int_eq(is_identity(&r), !memcmp(rpy, (double[3]){0, 0, 0}, sizeof rpy) ||
 			(n % 4 == 2 && n / 4 % 4 == 2 && n / 16 == 2));
 	}
 }
@@ -272,7 +272,7 @@ START_TEST(shortest)
 	struct rng rng = rng_seed(13);
 	real n[3];
 
-	ck_assert(rotation_is_identity(&r));
+	ck_assert(is_identity(&r));
 	r = to(rotation_shortest, down);
 	for (int i = 0; i < 9; i++)
 		ck_assert(r.m[i / 3][i % 3].x == half_turn[i]);

@@ -107,7 +107,8 @@ static void trace_mass(struct recursion *x, int body, int row)
 	}
 }
 
-/* Back to the base: a row, columns of matrices `first` to `end` - 1, or both side by side. With the last matrix all is complete. */
+/* Back to the base: a row, columns of matrices `first` to `end` - 1, or both side by side. With the last matrix
+   all is complete. */
 static void carry(struct recursion *x, int body, int i, struct row_vectors *s, struct wrench *w, enum by first, enum by end)
 {
 	for (int b = body, parent; (parent = x->r->t->bodies[b].parent) >= 0; b = parent) {

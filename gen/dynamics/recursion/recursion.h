@@ -19,7 +19,8 @@ struct by_matrix {
 	struct svec *shift;  /* by column: gamma of a coordinate that changes all accelerations alike; else zero */
 };
 
-/* A coordinate on its way back to the base, or several side by side: their rows of qd, the body where they are, what they carry. */
+/* A coordinate on its way back to the base, or several side by side: their rows of qd, the body where they are,
+   what they carry. */
 struct traveller {
 	int count, rows[DAG_LANES], at;
 	struct row_vectors s;
@@ -74,9 +75,9 @@ void recursion_end(struct recursion *x);
    side? */
 int recursion_grows(const struct recursion *x);
 
-/* For each other. Elements as they grow (recursion_elements.c): add to one; row i of the gradients, by the coordinates of body `here`;
-   M_ij, the unit acceleration of row i of body `from` felt by the joint of body `here`; column j, what that joint feels of a
-   wrench; and write what is complete between row i and a body. */
+/* For each other. Elements as they grow (recursion_elements.c): add to one; row i of the gradients, by the coordinates of body
+   `here`; M_ij, the unit acceleration of row i of body `from` felt by the joint of body `here`; column j, what that joint feels
+   of a wrench; and write what is complete between row i and a body. */
 int recursion_is_made(const struct recursion *x, enum by by);
 void recursion_write(struct recursion *x, enum by by, int i, int j);
 void recursion_add(struct recursion *x, enum by by, int i, int j, struct ref e);
@@ -89,7 +90,8 @@ void recursion_write_between(struct recursion *x, int i, int here);
 struct wrench recursion_wrench_to_parent(const struct recursion *x, int body, struct wrench w);
 struct row_vectors recursion_row_to_parent(const struct recursion *x, int body, struct row_vectors s);
 
-/* Coordinate i sets out from its body, with wrenches or without; all that are at a body go on to its parent (recursion_lanes.c). */
+/* Coordinate i sets out from its body, with wrenches or without; all that are at a body go on to
+   its parent (recursion_lanes.c). */
 void recursion_send(struct recursion *x, int body, int i, const struct row_vectors *s, const struct wrench *w);
 void recursion_go_on(struct recursion *x, int body);
 

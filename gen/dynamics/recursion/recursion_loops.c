@@ -88,8 +88,8 @@ static int is_regular(const struct tree *t, const struct pattern *p, int body)
 	return rows > 0;
 }
 
-/* How many coordinates a loop has in the mean at least (../README.md, "Two ways to a derivative"). Each joint of g1_brainco on its
-   own has 8: gradients of the torques take 1.83 of the time of lanes for a call, 1.34 for batches. */
+/* How many coordinates a loop has in the mean at least (../README.md, "Two ways to a derivative"). Each joint of g1_brainco on
+   its own has 8: gradients of the torques take 1.83 of the time of lanes for a call, 1.34 for batches. */
 enum { COORDINATES_LEAST = 20 };
 
 /* Are there few enough loops, of coordinates enough? */

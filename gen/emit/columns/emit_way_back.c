@@ -29,7 +29,8 @@ void emit_way_declaration(const struct emission *e, const struct function *p, st
 
 void emit_way_many_declaration(const struct emission *e, const struct function *p, struct text *out)
 {
-	text_printf(out, "\n\tRNEA_ALIGNED %s carried[%d];", e->memory->type, p->dag.arguments[room_of(p, 0)->argument].rows * samples_of(e, p));
+	text_printf(out, "\n\tRNEA_ALIGNED %s carried[%d];", e->memory->type,
+		p->dag.arguments[room_of(p, 0)->argument].rows * samples_of(e, p));
 }
 
 /* ---- functions ---- */

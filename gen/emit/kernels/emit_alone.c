@@ -5,7 +5,8 @@
 #include "emit/kernels/emit_tiles.h"
 #include "plan/tiles/tiles.h"
 
-/* Of matrices: from one warp for each scheduler of an H100 on. Of rows that move as tiles: from so many samples on, and with a vjp. */
+/* Of matrices: from one warp for each scheduler of an H100 on. Of rows that move as tiles: from so many samples on, and with a
+   vjp. */
 enum { LEAST_SAMPLES = 132 * 128, LEAST_TILED = 1 << 19, LEAST_PRODUCT = 132 * 1920 };
 
 static int are_long(const struct emission *e)
@@ -14,8 +15,8 @@ static int are_long(const struct emission *e)
 }
 
 /* Smaller batches leave multiprocessors idle that the one kernel gives other parts. Beyond, the blocks of one part do not share a
-   multiprocessor with those of another, and each takes the registers that it needs. In f64 all parts take all registers there are: without
-   tiles a million samples lose. Measurements: gen/plan/grid/README.md, Parts of matrices. */
+   multiprocessor with those of another, and each takes the registers that it needs. In f64 all parts take all registers there
+   are: without tiles a million samples lose. Measurements: gen/plan/grid/README.md, Parts of matrices. */
 int emit_alone_least(const struct emission *e)
 {
 	if (!e->target->kernel || e->wide || emit_is_operation(e))

@@ -7,9 +7,9 @@
 /* Threads, where nothing is staged. */
 enum { BLOCK = 128 };
 
-/* Of kernels of derivatives, which spill into the same 48 KiB: of each thread twice as much as in blocks of 128 (H100, 1 M samples:
-   both gradients of panda in f64, 2 parts, 0.635 ns instead of 0.674; of iiwa14 in f32, which spills nothing, 0.199 instead of
-   0.205). */
+/* Of kernels of derivatives, which spill into the same 48 KiB: of each thread twice as much as in blocks of 128 (H100, 1 M
+   samples: both gradients of panda in f64, 2 parts, 0.635 ns instead of 0.674; of iiwa14 in f32, which spills nothing, 0.199
+   instead of 0.205). */
 enum { DERIVATIVE_BLOCK = 64 };
 
 /* Where launch bounds pay: see min_blocks. */
@@ -83,14 +83,15 @@ int emit_window_bytes(const struct emission *e)
 	return emit_windows(e)->slots ? (emit_windows(e)->slots + 1) * WINDOW_PITCH * e->memory->bytes : 0;
 }
 
-/* Does the kernel ask for its inputs in advance? Where many values wait the compiler fetches an input only when there is a register for
-   it, and a warp waits for memory many times. H100, 1 M samples, ps: qdd with gradients of iiwa14 260, 211, of hyq 204, 197, of panda 325,
-   300, of ur5 176, 163; qdd of floating hyq 177, 159; gradients of panda 268, 253; in f64 those of hyq 424, 384, with qdd 476, 441. What
-   is left out: gradients of iiwa14 190, 192, of hyq 180, 181; qdd of hyq 77, 81, of atlas 278, 280; tau of g1_29dof 192, 211; in f64,
-   where registers spill, qdd with gradients of iiwa14 505, 560, of panda 1827, 1864. And parts: tau with vjp in f32 of g1_29dof 429, 401, of
-   jvrc1 570, 524, but 16384 samples in 12.4 us instead of 11.8, and in 18.2 instead of 17.0, of atlas 405, 402, and 11.2 instead of 10.2;
-   gradients of atlas 1485, 1618, in f64 5174, 5621, of g1_29dof 6404, 7173; qdd of jvrc1 454, 502. And few doubles, in 168 registers:
-   gradients of hyq 356, 364, of solo12 357, 360, and 16384 samples in 6.6 us instead of 7.3, in 6.6 instead of 7.5. */
+/* Does the kernel ask for its inputs in advance? Where many values wait the compiler fetches an input only when there is a
+   register for it, and a warp waits for memory many times. H100, 1 M samples, ps: qdd with gradients of iiwa14 260, 211, of hyq
+   204, 197, of panda 325, 300, of ur5 176, 163; qdd of floating hyq 177, 159; gradients of panda 268, 253; in f64 those of hyq
+   424, 384, with qdd 476, 441. What is left out: gradients of iiwa14 190, 192, of hyq 180, 181; qdd of hyq 77, 81, of atlas 278,
+   280; tau of g1_29dof 192, 211; in f64, where registers spill, qdd with gradients of iiwa14 505, 560, of panda 1827, 1864. And
+   parts: tau with vjp in f32 of g1_29dof 429, 401, of jvrc1 570, 524, but 16384 samples in 12.4 us instead of 11.8, and in 18.2
+   instead of 17.0, of atlas 405, 402, and 11.2 instead of 10.2; gradients of atlas 1485, 1618, in f64 5174, 5621, of g1_29dof
+   6404, 7173; qdd of jvrc1 454, 502. And few doubles, in 168 registers: gradients of hyq 356, 364, of solo12 357, 360, and 16384
+   samples in 6.6 us instead of 7.3, in 6.6 instead of 7.5. */
 int emit_is_prefetched(const struct emission *e)
 {
 	int alive;
@@ -107,16 +108,16 @@ int emit_is_prefetched(const struct emission *e)
 
 /* A sample is taken for one of small angles and computed again if it was not: no test comes before the arithmetic, and no
    input is read twice (H100, 1 M samples: iiwa14 0.96 of the floor instead of 0.94, hyq 0.92 instead of 0.87;
-   but atlas 0.86 instead of 0.88). The kernel then holds the body twice: a loop around one copy makes it fetch its inputs late (H100, ps:
-   hyq 85 instead of 76, gradients of iiwa14, with the test first, 224 instead of 204). */
+   but atlas 0.86 instead of 0.88). The kernel then holds the body twice: a loop around one copy makes it fetch its inputs late
+   (H100, ps: hyq 85 instead of 76, gradients of iiwa14, with the test first, 224 instead of 204). */
 int emit_is_optimistic(const struct emission *e)
 {
 	return e->arithmetic->bytes == 4 && !emit_is_staged(e) && !emit_windows(e)->slots &&
 		e->tree->body_count < MANY_BODIES;
 }
 
-/* Accelerations of an arm or a quadruped. Smaller blocks end more evenly (H100, 1 M samples, ps, blocks of 128 and of 64: iiwa14 44.0,
-   43.7, hyq 73.0, 72.2; by base parameters 42.2, 40.8 and 70.4, 69.4). */
+/* Accelerations of an arm or a quadruped. Smaller blocks end more evenly (H100, 1 M samples, ps, blocks of 128 and of 64:
+   iiwa14 44.0, 43.7, hyq 73.0, 72.2; by base parameters 42.2, 40.8 and 70.4, 69.4). */
 static int is_small_forward(const struct emission *e)
 {
 	return e->request->is_forward && e->arithmetic->bytes == 4 && e->tree->body_count <= ARM_BODIES;
@@ -146,10 +147,10 @@ static int is_overfull_forward(const struct emission *e)
 	return e->request->is_forward && e->arithmetic->bytes == 8 && most_alive(e) > OVERFULL_DOUBLE;
 }
 
-/* Derivatives in f64 that need no shared memory to spill into: what the compiler may give each of four blocks it then gives. Where
-   fewer values are alive it gives 168 registers, of which six blocks have room (H100, 1 M samples, ps, so and in 254: hyq 356 and
-   373, solo12 357 and 358). iiwa14, 137 values, takes 412 with a bound and 386 without. Of accelerations, where
-   very many wait, the compiler's own choice is 168 registers, and it spills more: 7584 bytes instead of 6368 for floating hyq, 361 values
+/* Derivatives in f64 that need no shared memory to spill into: what the compiler may give each of four blocks it then gives.
+   Where fewer values are alive it gives 168 registers, of which six blocks have room (H100, 1 M samples, ps, so and in 254: hyq
+   356 and 373, solo12 357 and 358). iiwa14, 137 values, takes 412 with a bound and 386 without. Of accelerations, where very many
+   wait, the compiler's own choice is 168 registers, and it spills more: 7584 bytes instead of 6368 for floating hyq, 361 values
    alive; but of panda and of iiwa14 320 instead of 1008 and 192 instead of 720, for it then spills to shared memory. */
 static int min_derivative_blocks(const struct emission *e)
 {
@@ -162,9 +163,9 @@ static int min_derivative_blocks(const struct emission *e)
 
 /* Humanoids in f32 soa gain from room for a third block (H100: 168 registers, no spill), arms of some 50 values from room
    for a sixth (80 registers instead of 93 on iiwa14, no spill: 0.93 of the floor instead of 0.90). Accelerations of few values
-   gain from room for 14 blocks of 64 (hyq 72.2 ps, 71.1), others lose (iiwa14 43.7, 44.4). Hands lose too: 65536 samples of chain_75
-   take 134 us with room for a third block, 114 without. Elsewhere the compiler's own choice spills least: a bound makes it fetch
-   all inputs first. */
+   gain from room for 14 blocks of 64 (hyq 72.2 ps, 71.1), others lose (iiwa14 43.7, 44.4). Hands lose too: 65536 samples of
+   chain_75 take 134 us with room for a third block, 114 without. Elsewhere the compiler's own choice spills least: a bound makes
+   it fetch all inputs first. */
 static int min_blocks(const struct emission *e)
 {
 	int alive;
@@ -175,9 +176,9 @@ static int min_blocks(const struct emission *e)
 		return e->arithmetic->bytes == 4 ? 6 : 0;
 	if (request_wants_derivative(e->request))
 		return min_derivative_blocks(e);
-	/* left to itself the compiler gives each thread of the longest texts 32 registers, and spills 43 kB of it; with room for two blocks,
-	   and no more, it takes 255 (H100, 262144 samples of qdd, ns: g1_brainco 15.1, 13.5, floating 107, 25; a million of floating jvrc1
-	   53.7, 10.8) */
+	/* left to itself the compiler gives each thread of the longest texts 32 registers, and spills 43 kB of it; with room for
+	   two blocks, and no more, it takes 255 (H100, 262144 samples of qdd, ns: g1_brainco 15.1, 13.5, floating 107, 25; a
+	   million of floating jvrc1 53.7, 10.8) */
 	if (is_overfull_forward(e))
 		return 2;
 	if (e->arithmetic->bytes != 4 || e->wide || (e->request->is_forward && e->tree->body_count > ARM_BODIES))

@@ -19,10 +19,10 @@ static void put_numbers_of(const struct emission *e, const struct function *p, i
 	fold(out, from);
 }
 
-/* Where each thread has its own number of the limb, constants go through its registers; where all threads share one, through those of
-   the warp, for which a long loop waits. With a vjp no register is left. H100, 1 M samples in aos, ps, own and shared: tau of g1_brainco 454,
-   502, in f64 1393, 1342, of jvrc1 198, 192, in f64 420, 438, of g1_29dof and atlas alike; with the vjp of jvrc1 528, 503, in f64 2196,
-   1936, of atlas in f64 1291, 1158, of g1_29dof 1277, 1272, of romeo 850, 886. */
+/* Where each thread has its own number of the limb, constants go through its registers; where all threads share one, through
+   those of the warp, for which a long loop waits. With a vjp no register is left. H100, 1 M samples in aos, ps, own and shared:
+   tau of g1_brainco 454, 502, in f64 1393, 1342, of jvrc1 198, 192, in f64 420, 438, of g1_29dof and atlas alike; with the vjp of
+   jvrc1 528, 503, in f64 2196, 1936, of atlas in f64 1291, 1158, of g1_29dof 1277, 1272, of romeo 850, 886. */
 static const char *first_text(const struct emission *e)
 {
 	return request_wants_derivative(e->request) ? "0" : "(threadIdx.x >> 16) /* 0: each thread has its own number of the limb */";
@@ -127,7 +127,8 @@ static void put_leaving(const struct unparser *u, const struct plan *p, size_t l
 /* The arrays of which the loop has rows. */
 static void put_pointers(const struct unparser *u, const struct plan *p, size_t line, size_t end, int loop, struct text *out)
 {
-	const struct plan lines = {.dag = p->dag, .tree = p->tree, .names = p->names, .lines = p->lines + line, .line_count = end - line};
+	const struct plan lines = {
+		.dag = p->dag, .tree = p->tree, .names = p->names, .lines = p->lines + line, .line_count = end - line};
 	unsigned char used[DAG_ARGUMENTS + DAG_LOOPS] = {0};
 
 	emit_mark_arguments(&lines, used);

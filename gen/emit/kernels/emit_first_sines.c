@@ -49,9 +49,9 @@ void emit_put_table(const struct emission *e, const struct function *p, struct t
 
 	if (!list->count)
 		return;
-	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"T", n->value}, {"M", e->memory->type},
-		{"X", n->angle_is_memory ? n->memory->type : n->value}, {"ROW", row_text(e, list)}, {"X_OF", angle_text(e, p)},
-		{"ANGLES", emit_int(e, list->count)}, {"LAST", emit_int(e, list->count - 1)},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"T", n->value},
+		{"M", e->memory->type}, {"X", n->angle_is_memory ? n->memory->type : n->value}, {"ROW", row_text(e, list)},
+		{"X_OF", angle_text(e, p)}, {"ANGLES", emit_int(e, list->count)}, {"LAST", emit_int(e, list->count - 1)},
 		{"PITCH", emit_int(e, p->limbs.words)}, {"FIRST", emit_int(e, p->limbs.slots)}, {"SINCOS", n->sincos}};
 
 	template_expand(out, template_limb_table_in, slots, sizeof slots / sizeof *slots);

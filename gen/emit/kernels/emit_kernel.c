@@ -23,7 +23,8 @@ static const char *in_place_text(const struct emission *e, const struct part *pa
 	int tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1);
 
 	if (part && part->function.stretches->period)
-		return "\t/* outputs take the places of inputs: a row is read before it is written, the vjp's for q, qd and qdd where these were */\n";
+		return "\t/* outputs take the places of inputs: a row is read before it is written, the vjp's for q, qd and qdd where "
+			"these were */\n";
 	return stage_place(d, tau) == tau ? "" :
 		"\t/* tau takes the place of qdd: a joint's qdd is read before its torque is written */\n";
 }
@@ -162,8 +163,13 @@ void emit_kernel(const struct emission *e, const struct function *p, struct text
 
 static void put_tiled(const struct emission *e, const struct work *w, struct text *out)
 {
-	const struct tiled_kernel k = {.function = w->function, .part = w->part, .name = w->alone, .handed = handed_text(e), .spill = spill_text(e, ""),
-		.zeros = zeros_text(e, w->function), .direct = direct_call(e, w)};
+	const struct tiled_kernel k = {.function = w->function,
+		.part = w->part,
+		.name = w->alone,
+		.handed = handed_text(e),
+		.spill = spill_text(e, ""),
+		.zeros = zeros_text(e, w->function),
+		.direct = direct_call(e, w)};
 
 	emit_tiled_kernel(e, &k, out);
 }
@@ -188,7 +194,8 @@ static const char *wrong_text(const struct emission *e, int parts)
 	struct text t;
 
 	text_init(&t, e->arena);
-	text_printf(&t, emit_each_block(e) ? "(gridDim.y != %d || blockDim.x != RNEA_BLOCK*RNEA_SAMPLE_THREADS)" : "gridDim.y != %d", parts);
+	text_printf(&t, emit_each_block(e) ? "(gridDim.y != %d || blockDim.x != RNEA_BLOCK*RNEA_SAMPLE_THREADS)" : "gridDim.y != %d",
+		parts);
 	return text_string(&t);
 }
 

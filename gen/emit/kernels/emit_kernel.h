@@ -24,8 +24,8 @@ const char *emit_stage_launch(const struct emission *e);
 const char *emit_given(const struct emission *e, const char *kernel);
 int emit_stage_bytes(const struct emission *e);
 
-/* Do the statements store by RNEA_STORE? May it be to shared memory? What that means, or RNEA_HOLD and RNEA_FLUSH where outputs leave
-   through windows; else "". The calls of a function's flush. */
+/* Do the statements store by RNEA_STORE? May it be to shared memory? What that means, or RNEA_HOLD and RNEA_FLUSH where outputs
+   leave through windows; else "". The calls of a function's flush. */
 int emit_is_streamed(const struct emission *e);
 int emit_stores_to_tiles(const struct emission *e);
 const char *emit_store(const struct emission *e);

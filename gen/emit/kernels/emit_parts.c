@@ -1,4 +1,5 @@
-/* Parts of a kernel's grid: the body that calls theirs, which parts that share nothing need where the text is compiled as C alone. */
+/* Parts of a kernel's grid: the body that calls theirs, which parts that share nothing need where the text is compiled as C
+   alone. */
 #include "base/fold.h"
 #include "base/template.h"
 #include "emit/emit.h"
@@ -8,7 +9,8 @@
 #include "emit/kernels/emit_relay.h"
 #include "plan/tiles/tiles.h"
 
-void emit_put_sample_call(const struct emission *e, const struct function *p, const char *function, const char *more, struct text *out)
+void emit_put_sample_call(
+	const struct emission *e, const struct function *p, const char *function, const char *more, struct text *out)
 {
 	text_printf(out, "%s%s_%s_%s(%s, stride%s%s);", emit_has_known(e) ? "all_small &= " : "", e->options->name, p->algorithm->name,
 		function, emit_params(e, emit_main(e), PARAMS_NAMES), more, emit_handed_on(e, emit_known_names(e)));

@@ -4,8 +4,8 @@
 
 #include "emit/emit.h"
 
-/* A relay's kernels but the second; what they do where the text is compiled as C, before the second and after; how its launch function
-   begins, or that of the one kernel, and the launch of all; bytes of shared memory of a block of the third. */
+/* A relay's kernels but the second; what they do where the text is compiled as C, before the second and after; how its launch
+   function begins, or that of the one kernel, and the launch of all; bytes of shared memory of a block of the third. */
 void emit_relay_solve(const struct emission *e, struct text *out);
 void emit_relay_before(const struct emission *e, struct text *out);
 void emit_relay_after(const struct emission *e, struct text *out);

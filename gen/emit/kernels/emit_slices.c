@@ -1,5 +1,5 @@
-/* Slices of the batch in shared memory: where those of the arrays stand, how they come and go, and what the body is called with. A
-   part that shares nothing with others has stretches of rows alone. */
+/* Slices of the batch in shared memory: where those of the arrays stand, how they come and go, and what the body is called with.
+   A part that shares nothing with others has stretches of rows alone. */
 #include "base/template.h"
 #include "emit/emit.h"
 #include "emit/kernels/emit_blocks.h"
@@ -174,10 +174,10 @@ static void put_slice_in(const struct emission *e, const struct stretches *s, in
 	text_put(out, ", samples);\n");
 }
 
-/* Words of a thread that holds all rows of a vjp for a moment; threads that may meet in a bank of shared memory then. H100, 1 M samples
-   of tau with vjp in aos, ps, so and by threads that write three runs of each sample, in brackets how many meet: jvrc1 500 and 554,
-   atlas 370 and 440, g1_29dof 386 and 440, romeo 392 and 451, in f64 baxter 407 and 444, floating hyq 473 and 503, but pr2 1147 and 1115,
-   and shadow_hand_right 950 and 878 (8). */
+/* Words of a thread that holds all rows of a vjp for a moment; threads that may meet in a bank of shared memory then. H100, 1 M
+   samples of tau with vjp in aos, ps, so and by threads that write three runs of each sample, in brackets how many meet: jvrc1
+   500 and 554, atlas 370 and 440, g1_29dof 386 and 440, romeo 392 and 451, in f64 baxter 407 and 444, floating hyq 473 and 503,
+   but pr2 1147 and 1115, and shadow_hand_right 950 and 878 (8). */
 enum { JOINED_WORDS = 240, JOINED_MEET = 4 };
 
 int emit_is_joined(const struct emission *e)

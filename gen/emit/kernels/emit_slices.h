@@ -4,9 +4,9 @@
 
 #include "emit/emit.h"
 
-/* Where the slices of a staged kernel, or of its part's rows (NULL: all), `block` samples wide, begin, what the body is called with, and
-   how rows come and go, and what comes between; their declaration. Does a vjp that stands in three slices leave as one? Does anything come
-   or go as some rows of each sample? */
+/* Where the slices of a staged kernel, or of its part's rows (NULL: all), `block` samples wide, begin, what the body is called
+   with, and how rows come and go, and what comes between; their declaration. Does a vjp that stands in three slices leave as one?
+   Does anything come or go as some rows of each sample? */
 struct slices {
 	const char *slices, *here, *pointers, *move_in, *move_out, *join;
 };

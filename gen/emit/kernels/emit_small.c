@@ -33,13 +33,16 @@ int emit_asks_by_parts(const struct emission *e)
 	return emit_has_columns(e) && (!emit_is_optimistic(e) || emit_has_tiles(e));
 }
 
-/* Does a kernel test all angles before it computes? Not one that finds out afterwards, and not one in parts with tests of their own. */
+/* Does a kernel test all angles before it computes? Not one that finds out afterwards, and not one in parts with tests of their
+   own. */
 static int kernels_ask(const struct emission *e)
 {
 	if (e->relay)
 		return 1;
 	for (int i = 0; i < e->function_count; i++)
-		if (emit_has_angles(e, &e->functions[i]) && (i || !(emit_is_optimistic(e) || emit_is_apart(e) || emit_asks_by_parts(e) || e->functions[i].segments.count)))
+		if (emit_has_angles(e, &e->functions[i]) &&
+			(i || !(emit_is_optimistic(e) || emit_is_apart(e) || emit_asks_by_parts(e) ||
+				      e->functions[i].segments.count)))
 			return 1;
 	return 0;
 }

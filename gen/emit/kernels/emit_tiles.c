@@ -1,5 +1,5 @@
-/* Kernels of large batches in soa: one thread of a block asks for tiles, some rows of its samples each, and a copy engine moves them by
-   tensor maps, which the launch makes. */
+/* Kernels of large batches in soa: one thread of a block asks for tiles, some rows of its samples each, and a copy engine moves
+   them by tensor maps, which the launch makes. */
 #include "base/template.h"
 #include "emit/emit.h"
 #include "emit/kernels/emit_alone.h"
@@ -122,8 +122,15 @@ void emit_tiled_kernel(const struct emission *e, const struct tiled_kernel *k, s
 	const struct function *p = k->function;
 	const struct slices s = emit_slices(e, p->tiles, "RNEA_PART_BLOCK");
 	int rows = 0, are_inputs = tiles_are_inputs(p);
-	const struct call call = {.indent = "\t\t", .arguments = s.here, .q = "q_here", .stride = are_inputs ? "count" : "RNEA_PART_BLOCK",
-		.q_stride = "RNEA_PART_BLOCK", .part = k->part, .is_staged = 1, .is_tiled = 1, .handed = k->handed};
+	const struct call call = {.indent = "\t\t",
+		.arguments = s.here,
+		.q = "q_here",
+		.stride = are_inputs ? "count" : "RNEA_PART_BLOCK",
+		.q_stride = "RNEA_PART_BLOCK",
+		.part = k->part,
+		.is_staged = 1,
+		.is_tiled = 1,
+		.handed = k->handed};
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", k->name}, {"T", e->memory->type},
 		{"PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"SPILL", k->spill},
 		{"WORDS", emit_int(e, tiles_words(p, e->options))}, {"SLICES", s.slices}, {"TILES", moves_text(e, p, 0, &rows)},

@@ -4,8 +4,8 @@
 
 #include "emit/emit.h"
 
-/* Those of them that move tiles (emit_tiles.c): are there any; what they call; what their launch does before; their line of the table;
-   one of them, which has `direct` to do where there is no engine. */
+/* Those of them that move tiles (emit_tiles.c): are there any; what they call; what their launch does before; their line of the
+   table; one of them, which has `direct` to do where there is no engine. */
 struct tiled_kernel {
 	const struct function *function;
 	const struct part *part; /* NULL: it is none that has slices of its own */

@@ -9,36 +9,36 @@
 #include "plan/stage.h"
 
 /* Operations of the whole. H100, 1 M samples, ps, whole and in parts. f64: hyq 131 and 126, but 16384 samples 196 and 229; yumi,
-   1478 operations, 174 and 171, 16384 samples 410 and 374; baxter 203 and 173, atlas 379 and 329, romeo 547 and 375, g1_29dof 443 and
-   358, jvrc1 545 and 448; but not where the slice of a part has no room: g1_brainco 2455 and 3455. Mixed: yumi 115 and 119, 16384 samples
-   327 and 291, baxter 180 and 150, atlas 298 and 271, g1_29dof 371 and 324, jvrc1 459 and 369. f32: atlas, 2668, 174 and 186, g1_29dof
-   185 and 197, jvrc1 213 and 229, but g1_brainco 619 and 463. In aos a part's rows stand apart: in f64 atlas 348 and 491, but
-   g1_brainco 4134 and 3792, in f32 1107 and 704. */
+   1478 operations, 174 and 171, 16384 samples 410 and 374; baxter 203 and 173, atlas 379 and 329, romeo 547 and 375, g1_29dof 443
+   and 358, jvrc1 545 and 448; but not where the slice of a part has no room: g1_brainco 2455 and 3455. Mixed: yumi 115 and 119,
+   16384 samples 327 and 291, baxter 180 and 150, atlas 298 and 271, g1_29dof 371 and 324, jvrc1 459 and 369. f32: atlas, 2668,
+   174 and 186, g1_29dof 185 and 197, jvrc1 213 and 229, but g1_brainco 619 and 463. In aos a part's rows stand apart: in f64
+   atlas 348 and 491, but g1_brainco 4134 and 3792, in f32 1107 and 704. */
 enum { LEAST_STAGED = 1400, LEAST = 5000, NEVER = 1 << 30 };
 
-/* Operations of accelerations in soa in f32. H100, 1 M samples, ps, whole and in parts: hyq, 1284 operations, 70.8 and 76.8, yumi,
-   4334, 152 and 144, atlas 269 and 265, g1_29dof 312 and 310, jvrc1 709 and 454; 4096 samples, us: yumi 5.7 and 2.6, atlas 9.5 and
-   6.5. In f64 accelerations are as torques: hyq 132 and 125, yumi 308 and 236, atlas 968 and 578, g1_29dof 1835 and 817, jvrc1 2832
-   and 2682, in aos atlas 1252 and 788, g1_29dof 2733 and 1028. In f32 in aos atlas takes 417 instead of 269. */
+/* Operations of accelerations in soa in f32. H100, 1 M samples, ps, whole and in parts: hyq, 1284 operations, 70.8 and 76.8,
+   yumi, 4334, 152 and 144, atlas 269 and 265, g1_29dof 312 and 310, jvrc1 709 and 454; 4096 samples, us: yumi 5.7 and 2.6,
+   atlas 9.5 and 6.5. In f64 accelerations are as torques: hyq 132 and 125, yumi 308 and 236, atlas 968 and 578, g1_29dof 1835 and
+   817, jvrc1 2832 and 2682, in aos atlas 1252 and 788, g1_29dof 2733 and 1028. In f32 in aos atlas takes 417 instead of 269. */
 enum { LEAST_ACCELERATIONS = 2000 };
 
 /* Operations of texts with a vjp, beyond which there may be parts; values at once: in f32 more than so many in the whole, in f64
-   no more than so many in each part, for segments serve those better. H100, 1 M samples, ps, in brackets values in the whole or in
-   a part: f32: hyq, 2284 operations, 144 and 141 (73), yumi 197 and 221 (212), romeo 425 and 483 (230), atlas 391 and 404, but
+   no more than so many in each part, for segments serve those better. H100, 1 M samples, ps, in brackets values in the whole or
+   in a part: f32: hyq, 2284 operations, 144 and 141 (73), yumi 197 and 221 (212), romeo 425 and 483 (230), atlas 391 and 404, but
    16384 samples in 10.2 us instead of 12.5 (285), baxter 314 and 226 (289), g1_29dof 416 and 430 (307), jvrc1 1293 and 571 (394).
    f64, with motion made again: yumi 998 and 421 (135), baxter 892 and 482 (126), romeo 1611 and 868 (171), atlas 1814 and 850
-   (160), g1_29dof 2608 and 1001 (168), jvrc1 3656 and 2912 (255), but g1_brainco 8218 and 8273 (287). Without: g1_29dof 1590 (307),
-   jvrc1 4716 (394). Of all limbs in one part, instead of segments: floating hyq 966 and 531 (166), g1_29dof 4301 and, by stretches of
-   three, 4154 (209), jvrc1 5613 and 5972 (267); and where they would have no segments: atlas 6920 and 3629 (228). */
-enum { LEAST_PRODUCT = 2500, PRODUCT_ALIVE_SINGLE = 280, PRODUCT_ALIVE_DOUBLE = 340, PRODUCT_ALIVE_AGAIN = 280, LEAST_ALONE = 3500,
-	ALONE_ALIVE = 240 };
+   (160), g1_29dof 2608 and 1001 (168), jvrc1 3656 and 2912 (255), but g1_brainco 8218 and 8273 (287). Without: g1_29dof 1590
+   (307), jvrc1 4716 (394). Of all limbs in one part, instead of segments: floating hyq 966 and 531 (166), g1_29dof 4301 and, by
+   stretches of three, 4154 (209), jvrc1 5613 and 5972 (267); and where they would have no segments: atlas 6920 and 3629 (228). */
+enum { LEAST_PRODUCT = 2500, PRODUCT_ALIVE_SINGLE = 280, PRODUCT_ALIVE_DOUBLE = 340, PRODUCT_ALIVE_AGAIN = 280,
+	LEAST_ALONE = 3500, ALONE_ALIVE = 240 };
 
-/* In aos such texts are in f64 alone, and where the slices of all parts have room. Up to so many operations of the whole all limbs are in
-   one part: to fetch and write a part's rows of each sample alone takes its time. H100, 1 M samples, ns, whole with windows, in parts, in
-   one: yumi, 3598 operations, 1.10, 0.49, 0.38, baxter, 5044, 1.51, 1.10, 0.45, romeo, 7406, 3.04, 1.69, 2.89; atlas 3.06 and 1.64,
-   g1_29dof 5.01 and 1.90, jvrc1 5.99 and 3.74; floating hyq 1.13 and 0.60, atlas 7.93 and 3.75, g1_29dof 6.89 and 4.53. Parts as warps
-   of one block, whose samples come in one piece, take turns at the instruction cache: atlas 2.2, g1_29dof 3.4, jvrc1 4.7. In f32 jvrc1
-   takes 1.42 and 1.27, but 16384 samples 22.7 us and 22.9. */
+/* In aos such texts are in f64 alone, and where the slices of all parts have room. Up to so many operations of the whole all
+   limbs are in one part: to fetch and write a part's rows of each sample alone takes its time. H100, 1 M samples, ns, whole with
+   windows, in parts, in one: yumi, 3598 operations, 1.10, 0.49, 0.38, baxter, 5044, 1.51, 1.10, 0.45, romeo,
+   7406, 3.04, 1.69, 2.89; atlas 3.06 and 1.64, g1_29dof 5.01 and 1.90, jvrc1 5.99 and 3.74; floating hyq 1.13 and 0.60,
+   atlas 7.93 and 3.75, g1_29dof 6.89 and 4.53. Parts as warps of one block, whose samples come in one piece, take turns at the
+   instruction cache: atlas 2.2, g1_29dof 3.4, jvrc1 4.7. In f32 jvrc1 takes 1.42 and 1.27, but 16384 samples 22.7 us and 22.9. */
 enum { SHORT_AOS = 5500 };
 
 /* ---- parts ---- */
@@ -77,8 +77,8 @@ static unsigned least_operations(const struct parts_of *x)
 	return is_forward && o->layout == RNEAGEN_SOA ? LEAST_ACCELERATIONS : LEAST;
 }
 
-/* What is made of inputs that all samples share is no limb's own: used once in a part, and twice in the whole, it may be joined to
-   other sums, with other bits. */
+/* What is made of inputs that all samples share is no limb's own: used once in a part, and twice in the whole, it may be joined
+   to other sums, with other bits. */
 static int may_be_apart(const struct parts_of *x)
 {
 	const struct rneagen_options *o = x->options;
@@ -192,8 +192,8 @@ static int build(struct part *p, struct share *share, int owner, const char *nam
 
 typedef void make_stretches(struct stretches *s, const struct dag *d, int nv);
 
-/* The rows that it reads and writes, and its bodies. In soa a product's rows stand in the places of inputs (tiles/tiles.h) where the order
-   of lines allows it. Returns 0 when memory runs out. */
+/* The rows that it reads and writes, and its bodies. In soa a product's rows stand in the places of inputs (tiles/tiles.h) where
+   the order of lines allows it. Returns 0 when memory runs out. */
 static int set_rows(struct part *p, make_stretches *make, const struct parts_of *x, struct arena *a)
 {
 	struct stretches *rows = arena_alloc(a, 1, sizeof *rows);
@@ -292,8 +292,8 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	return 1;
 }
 
-/* Does no part take more than half of what the whole takes, or two thirds where that spills much, or motion is made again, and write all
-   rows of the slices that it stages? */
+/* Does no part take more than half of what the whole takes, or two thirds where that spills much, or motion is made again, and
+   write all rows of the slices that it stages? */
 static int do_serve(const struct part *parts, int count, int is_full, const struct parts_of *x, struct arena *a)
 {
 	unsigned whole = operations_of(x), most = is_full || again_serves(x) ? whole / 3 * 2 : whole / 2;
@@ -306,21 +306,21 @@ static int do_serve(const struct part *parts, int count, int is_full, const stru
 	return turns_serve(parts, count, x->raw->arguments[parts_handed(x->raw)].rows, a);
 }
 
-/* Alike limbs in loops, in aos: operations of the whole beyond which there are such; with a vjp in f32, values at once in the whole beyond
-   which there are, and how many of them may be left. H100, 1 M samples, ps, so far and in loops, in brackets us of 16384. tau in f32:
-   hyq, 832 operations, 68 and 74, yumi, 1478, 102 and 104, pr2, 2460, 116 and 120 (5.3 and 4.7), atlas 167 and 168 (6.4 and 6.6),
-   g1_29dof, 2918, 167 and 164 (7.8 and 6.6), g1_d_wheeled 205 and 191, jvrc1 210 and 192 (8.1 and 7.1), g1_brainco 664 and 445; but
-   floating jvrc1 238 and 251 (9.0 and 8.4). f64: yumi 174 both, baxter, 1857, 195 and 185 (6.4 and 5.2), pr2 252 and 226, atlas 326
-   and 324, romeo 388 and 353, g1_29dof 349 and 316, floating 525 and 444, jvrc1 472 and 430, floating 745 and 676, g1_brainco 1473 and
-   1449; but g1_d_wheeled 491 and 541. With the vjp in f32: yumi, 212 values, 249 and 239, simple_humanoid, 229, 326 and 331, atlas, 285,
-   360 and 370, g1_29dof, 283, 369 and 386, pr2, 435, 417 and 292, jvrc1, 394, 1202 and 500, g1_brainco, 444, 4075 and 3077; but
-   g1_d_wheeled, 372 and in a loop 354, 592 and 607. In f64: yumi 384 and 377, baxter 407 and 377, simple_humanoid, 4461 operations, 651 and
-   865, shadow_hand_right, 4404, 878 and 1028, pr2, 5959, 1115 and 702, atlas 1658 and 1310, g1_29dof 1660 and 1253, romeo 1614 and 853,
-   jvrc1 3676 and 1903, g1_d_wheeled 3871 and 2436. */
+/* Alike limbs in loops, in aos: operations of the whole beyond which there are such; with a vjp in f32, values at once in the
+   whole beyond which there are, and how many of them may be left. H100, 1 M samples, ps, so far and in loops, in brackets us of
+   16384. tau in f32: hyq, 832 operations, 68 and 74, yumi, 1478, 102 and 104, pr2, 2460, 116 and 120 (5.3 and 4.7), atlas 167 and
+   168 (6.4 and 6.6), g1_29dof, 2918, 167 and 164 (7.8 and 6.6), g1_d_wheeled 205 and 191, jvrc1 210 and 192 (8.1 and 7.1),
+   g1_brainco 664 and 445; but floating jvrc1 238 and 251 (9.0 and 8.4). f64: yumi 174 both, baxter, 1857, 195 and 185 (6.4
+   and 5.2), pr2 252 and 226, atlas 326 and 324, romeo 388 and 353, g1_29dof 349 and 316, floating 525 and 444, jvrc1 472 and 430,
+   floating 745 and 676, g1_brainco 1473 and 1449; but g1_d_wheeled 491 and 541. With the vjp in f32: yumi, 212 values, 249 and
+   239, simple_humanoid, 229, 326 and 331, atlas, 285, 360 and 370, g1_29dof, 283, 369 and 386, pr2, 435, 417 and 292, jvrc1, 394,
+   1202 and 500, g1_brainco, 444, 4075 and 3077; but g1_d_wheeled, 372 and in a loop 354, 592 and 607. In f64: yumi 384 and 377,
+   baxter 407 and 377, simple_humanoid, 4461 operations, 651 and 865, shadow_hand_right, 4404, 878 and 1028, pr2, 5959, 1115 and
+   702, atlas 1658 and 1310, g1_29dof 1660 and 1253, romeo 1614 and 853, jvrc1 3676 and 1903, g1_d_wheeled 3871 and 2436. */
 enum { LEAST_LOOPS_SINGLE = 2900, LEAST_LOOPS_DOUBLE = 1800, LOOPS_ALIVE = 300 };
 static const double LOOPS_LEFT = 0.87;
 
-/* How much of the operations are in loops at least: 0.9 of atlas, and a third of shadow_hand_right, whose fingers alone are alike. */
+/* How much of the operations are in loops at least: 0.9 of atlas, a third of shadow_hand_right, whose fingers alone are alike. */
 static const double LOOPS_SHARE = 0.6;
 
 static int may_loop(const struct parts_of *x, struct arena *a)
@@ -362,7 +362,8 @@ static int make_loops(struct part **parts, int *count, const struct parts_of *x,
 	text_init(&name, a);
 	text_printf(&name, "%s_part0", x->whole->algorithm->name);
 	if (!part_build_share(p, &share, 0, 1, text_string(&name), "The whole, with loops over limbs that are alike.", x, a) ||
-		(request_wants_derivative(x->request) && !part_order(p, x, a)) || !set_rows(p, stretches_make_whole, x, a) || !each_make(p, x, a))
+		(request_wants_derivative(x->request) && !part_order(p, x, a)) ||
+		!set_rows(p, stretches_make_whole, x, a) || !each_make(p, x, a))
 		return 0;
 	*count = p->function.each && are_staged(p, 1, x->options) && are_written(p, 1) && loops_pay(p, x, spare);
 	return 1;

@@ -1,10 +1,11 @@
 #include "plan/grid/hands.h"
 #include <string.h>
 
-/* Operations of the whole, and of a hand. H100, 1 M samples, ps, one kernel and two: g1_brainco, 9010 operations, f64 2447 and 1064,
-   in aos 3745 and 1515; but f32 462 and 522, and in aos, where the rows of a part stand apart, 663 and 1091. With the vjp, by limbs alone
-   and so: f64, jvrc1, whose hands have 1131 operations, 2943 and 1401; but romeo, whose neck has 686, 898 and 912; f32, jvrc1, 8950, 564
-   and 723, pr2, 6792, 388 and 437; but g1_d_wheeled, 9837, 2433 and 774, g1_brainco, 20991, 3560 and 1286. */
+/* Operations of the whole, and of a hand. H100, 1 M samples, ps, one kernel and two: g1_brainco, 9010 operations, f64 2447 and
+   1064, in aos 3745 and 1515; but f32 462 and 522, and in aos, where the rows of a part stand apart, 663 and 1091. With the vjp,
+   by limbs alone and so: f64, jvrc1, whose hands have 1131 operations, 2943 and 1401; but romeo, whose neck has 686, 898 and 912;
+   f32, jvrc1, 8950, 564 and 723, pr2, 6792, 388 and 437; but g1_d_wheeled, 9837, 2433 and 774, g1_brainco, 20991, 3560 and
+   1286. */
 enum { LEAST = 5000, LEAST_PRODUCT_SINGLE = 9400, LEAST_HAND = 500, LEAST_HAND_PRODUCT = 1000 };
 
 /* Values at once of the whole, beyond which f32 has hands too, and parts need no room in shared memory; joints of an arm that one
@@ -63,8 +64,8 @@ static int row_of(const struct finder *f, size_t i)
 	return f->d->outputs[i].row % f->x->tree->nv;
 }
 
-/* Rows of the arm for what is handed on, one for each joint, of a vjp three: those that are written last, which are nearest to the hand
-   for torques, and farthest for a vjp, whose lines go by rows. Returns 0 where there are too few. */
+/* Rows of the arm for what is handed on, one for each joint, of a vjp three: those that are written last, which are nearest to
+   the hand for torques, and farthest for a vjp, whose lines go by rows. Returns 0 where there are too few. */
 static int choose_rows(struct finder *f, struct hand *m)
 {
 	const struct tree *t = f->x->tree;
@@ -325,7 +326,8 @@ static int has_rows(const struct parts_of *x, unsigned flops)
 {
 	const struct rneagen_options *o = x->options;
 	const struct dag *d = x->raw;
-	int has_tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1) >= 0, has_vjp = dag_find_role(d, ROLE_VJP, 1) == parts_handed(d), outputs = 0;
+	int has_tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1) >= 0, has_vjp = dag_find_role(d, ROLE_VJP, 1) == parts_handed(d),
+	    outputs = 0;
 
 	for (int i = 0; i < d->argument_count; i++)
 		outputs += d->arguments[i].is_output;
@@ -334,8 +336,9 @@ static int has_rows(const struct parts_of *x, unsigned flops)
 	return flops >= LEAST && outputs > 0 && outputs == has_tau + has_vjp;
 }
 
-/* Not in mixed precision, where a row has fewer bits; in f32 where the whole is full. Which of two products is joined to their sum goes
-   by how often each is used, which two kernels count anew: so not where the same bits are wanted. Says whether the whole is full. */
+/* Not in mixed precision, where a row has fewer bits; in f32 where the whole is full. Which of two products is joined to their
+   sum goes by how often each is used, which two kernels count anew: so not where the same bits are wanted. Says whether the whole
+   is full. */
 static int may_have(struct hands *h, const struct parts_of *x, struct arena *a)
 {
 	const struct rneagen_options *o = x->options;

@@ -1,11 +1,11 @@
 #ifndef RNEAGEN_HANDS_H
 #define RNEAGEN_HANDS_H
 /* Torques of a robot with hands, in soa also with their vjp, by several kernels, one after the other. The first has a part for
-   each hand: what lies beyond a body that carries several others, such as the fingers beyond a palm. It makes the motion of the arm
-   anew, writes the torques of the hand, and leaves what the hand hands on, the six numbers of a force and twelve more for a vjp, in
-   rows of the last array that belong to the arm. The last reads these numbers before it writes the rows. So no thread holds an arm
-   and a hand at once. Where an arm is as long as a snake, its end is a hand in its turn, in one more kernel between both, and so
-   on. */
+   each hand: what lies beyond a body that carries several others, such as the fingers beyond a palm. It makes the motion of the
+   arm anew, writes the torques of the hand, and leaves what the hand hands on, the six numbers of a force and twelve more for a
+   vjp, in rows of the last array that belong to the arm. The last reads these numbers before it writes the rows. So no thread
+   holds an arm and a hand at once. Where an arm is as long as a snake, its end is a hand in its turn, in one more kernel between
+   both, and so on. */
 
 #include "plan/grid/cut.h"
 #include "plan/grid/parts.h"

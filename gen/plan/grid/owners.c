@@ -90,7 +90,8 @@ static void list(struct owners *x, size_t outputs, const struct tree *t, int *pl
 		x->owner[i] = place[x->owner[i]];
 }
 
-int owners_make(struct owners *x, const struct dag *d, const struct tree *t, const struct request *k, int is_solved, struct arena *a)
+int owners_make(
+	struct owners *x, const struct dag *d, const struct tree *t, const struct request *k, int is_solved, struct arena *a)
 {
 	int *place = arena_alloc(a, (size_t)t->body_count, sizeof *place);
 

@@ -8,8 +8,9 @@
 /* How many more parts than the best so far are tried. */
 enum { LOOK_AHEAD = 6 };
 
-/* Parts in layout aos at most: they cut lines of matrices, and write parts of sectors (H100, gradients of atlas, whole matrices, 1, 2, 3 and 4 parts, ns: 7.9, 6.6, 9.1 and 9.4, in f64 16.2,
-   16.6, 17.2 and 18.1; 1024 samples, us: 63, 38, 31 and 32, in f64 88, 61, 49 and 49). */
+/* Parts in layout aos at most: they cut lines of matrices, and write parts of sectors (H100, gradients of atlas, whole matrices,
+   1, 2, 3 and 4 parts, ns: 7.9, 6.6, 9.1 and 9.4, in f64 16.2, 16.6, 17.2 and 18.1; 1024 samples, us: 63, 38, 31 and 32, in f64
+   88, 61, 49 and 49). */
 enum { PARTS_IN_AOS = 2 };
 
 /* How much more all may cost in a relay with a part more. */
@@ -98,8 +99,8 @@ static int longest_of(struct splitter *s, int count, int *first)
 	return longest;
 }
 
-/* In a relay one part more serves small batches, if the longest gets shorter, and all cost hardly more. H100, both gradients of qdd of
-   atlas in f32, 3, 4 and 5 parts: 1024 samples 35.9, 33.8 and 37.5 us; 262144 samples 4.66, 4.71 and 4.82 ns. */
+/* In a relay one part more serves small batches, if the longest gets shorter, and all cost hardly more. H100, both gradients of
+   qdd of atlas in f32, 3, 4 and 5 parts: 1024 samples 35.9, 33.8 and 37.5 us; 262144 samples 4.66, 4.71 and 4.82 ns. */
 static int is_one_more(struct splitter *s, int best, double least, int *first)
 {
 	int longest, divided;
@@ -141,7 +142,8 @@ int part_plan(struct part *p, const char *name, const char *doc, const struct pa
 	return !a->failed;
 }
 
-int part_build(struct part *p, const struct dag *raw, const char *name, const char *doc, const struct parts_of *x, struct arena *a)
+int part_build(
+	struct part *p, const struct dag *raw, const char *name, const char *doc, const struct parts_of *x, struct arena *a)
 {
 	dag_init(&p->function.dag, a);
 	dag_fuse(&p->function.dag, raw, x->options->strict);
@@ -182,7 +184,8 @@ static int make_part(struct splitter *s, int number, int first, int end, struct 
 	text_printf(&doc, "Part %d of it: elements of matrices by the joints of links %d to %d%s.", number,
 		s->x->tree->bodies[p->first].number, s->x->tree->bodies[p->last].number,
 		first ? "" : ", and all that is no matrix");
-	return part_build_share(p, &s->share, first, end, text_string(&name), text_string(&doc), s->x, s->a) && !name.failed && !doc.failed;
+	return part_build_share(p, &s->share, first, end, text_string(&name), text_string(&doc), s->x, s->a) && !name.failed &&
+	       !doc.failed;
 }
 
 /* ---- the whole ---- */

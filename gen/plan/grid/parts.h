@@ -31,7 +31,8 @@ struct parts_of {
 	int is_relayed;  /* it is a kernel of a relay: one part at least */
 };
 
-/* Are they those of apart.h, limbs that share nothing or hands? Then each has a slice of its own, and the whole serves small batches. */
+/* Are they those of apart.h, limbs that share nothing or hands? Then each has a slice of its own, and the whole serves small
+   batches. */
 static inline int parts_are_apart(const struct part *parts, int count)
 {
 	return count && parts[0].function.stretches != NULL;
@@ -53,15 +54,16 @@ int parts_alive(const struct part *parts, int count);
    does. One part: its motion is made again, or it is a relay's. Errors: USAGE, MEMORY. */
 enum rneagen_code parts_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a, struct rneagen_error *e);
 
-/* A function of its own with the name and the comment, whose DAG is made; or of a DAG, or of the share of some owners. Returns 0 when memory
-   runs out. */
+/* A function of its own with the name and the comment, whose DAG is made; or of a DAG, or of the share of some owners. Returns 0
+   when memory runs out. */
 int part_plan(struct part *p, const char *name, const char *doc, const struct parts_of *x, struct arena *a);
-int part_build(struct part *p, const struct dag *raw, const char *name, const char *doc, const struct parts_of *x, struct arena *a);
+int part_build(
+	struct part *p, const struct dag *raw, const char *name, const char *doc, const struct parts_of *x, struct arena *a);
 int part_build_share(struct part *p, struct share *share, int first, int end, const char *name, const char *doc,
 	const struct parts_of *x, struct arena *a);
 
-/* Put the lines of one that shares nothing with others into an order in which fewer values wait (plan_order). Returns 0 when memory runs
-   out. */
+/* Put the lines of one that shares nothing with others into an order in which fewer values wait (plan_order). Returns 0 when
+   memory runs out. */
 int part_order(struct part *p, const struct parts_of *x, struct arena *a);
 
 /* What a part takes. */

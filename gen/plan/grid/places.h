@@ -4,7 +4,8 @@
 
 #include "plan/grid/parts.h"
 
-/* Does a function with such rows write there only after it has read what stood there? Sets *serves. Returns 0 when memory runs out. */
+/* Does a function with such rows write there only after it has read what stood there? Sets *serves. Returns 0 when memory runs
+   out. */
 int places_serve(int *serves, const struct function *p, const struct stretches *s, struct arena *a);
 
 #endif

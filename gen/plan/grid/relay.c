@@ -7,21 +7,22 @@
 #include <limits.h>
 #include <string.h>
 
-/* Operations of the one kernel. H100, half a million samples, ns each, in one kernel and in a relay: floating hyq, 19000, f32 2.6 and
-   2.5, f64 14.3 and 4.7; atlas, 34000, f64 24.7 and 9.6; 1024 samples, us: hyq 27.6 and 22.2, 45.3 and 34.0, atlas 63 and 50.5. f32,
-   1 sample, us, 1024, 16384, and a million, ns, and seconds of NVRTC: shadow_hand, 23000, 30.4 at 1024, 89.7, 4.72, 16 s, and 28.1,
-   79.8, 3.54, 3 s; atlas 27.7, 28.3, 148, 5.52, 13 s, and 25.4, 35.6, 110, 4.23, 4 s before its first kernel had parts;
-   g1_29dof 35.9, 37.0, 121, 6.45, 14 s, and 28.3, 38.6, 108, 4.11, 7 s. Nothing smaller was tried. */
+/* Operations of the one kernel. H100, half a million samples, ns each, in one kernel and in a relay: floating hyq, 19000, f32 2.6
+   and 2.5, f64 14.3 and 4.7; atlas, 34000, f64 24.7 and 9.6; 1024 samples, us: hyq 27.6 and 22.2, 45.3 and 34.0, atlas 63
+   and 50.5. f32, 1 sample, us, 1024, 16384, and a million, ns, and seconds of NVRTC: shadow_hand, 23000, 30.4 at
+   1024, 89.7, 4.72, 16 s, and 28.1, 79.8, 3.54, 3 s; atlas 27.7, 28.3, 148, 5.52, 13 s, and 25.4, 35.6, 110, 4.23, 4 s before its
+   first kernel had parts; g1_29dof 35.9, 37.0, 121, 6.45, 14 s, and 28.3, 38.6, 108, 4.11, 7 s. Nothing smaller was tried. */
 enum { LEAST_OPERATIONS = 12000 };
 
 /* Multiprocessors (H100), shared memory of each; warps of 255 registers that it has room for; blocks that gain nothing from more
    beside them in f64; shared memory that a block may have on all GPUs since sm_80. */
 enum { MULTIPROCESSORS = 132, MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, DOUBLE_BLOCKS = 4, BLOCK_BYTES = 99 << 10 };
 
-/* Values at once of a part of the first kernel in f64, beyond which segments serve better. H100, both gradients, the first kernel whole
-   and in parts, us, in brackets values in a part: f64, 1024, 4096 and 262144 samples: atlas (206) 45.6 48.6, 95 97, 2588 2517; 2048,
-   4096 and 262144: g1_29dof (179) 81 72, 119 105, 3495 3148. f32, 256, 1024, 4096 and 262144: atlas 30.2 27.4, 35.9 32.6,
-   46.4 43.1, 1221 1233, with a part more of the second kernel too; g1_29dof 33.1 27.9, 38.3 32.8, 50.7 44.7, 1209 1204. */
+/* Values at once of a part of the first kernel in f64, beyond which segments serve better. H100, both gradients, the first kernel
+   whole and in parts, us, in brackets values in a part: f64, 1024, 4096 and 262144 samples: atlas (206) 45.6 48.6, 95 97, 2588
+   2517; 2048, 4096 and 262144: g1_29dof (179) 81 72, 119 105, 3495 3148. f32, 256, 1024, 4096 and 262144:
+   atlas 30.2 27.4, 35.9 32.6, 46.4 43.1, 1221 1233, with a part more of the second kernel too;
+   g1_29dof 33.1 27.9, 38.3 32.8, 50.7 44.7, 1209 1204. */
 enum { START_ALIVE_DOUBLE = 190 };
 
 /* Which kernel writes an output. */
@@ -70,7 +71,8 @@ static struct request accelerations(const struct request *k, struct want *qdd)
 	return alone;
 }
 
-/* The algorithm anew, in the way that is cheaper for qdd alone. Returns 0 where its arrays are not the first ones of the whole. */
+/* The algorithm anew, in the way that is cheaper for qdd alone. Returns 0 where its arrays are not the first ones
+   of the whole. */
 static int build_alone(struct dag *d, const struct request *alone, const struct parts_of *x)
 {
 	const struct dag *whole = &x->whole->dag;
@@ -87,7 +89,8 @@ static int build_alone(struct dag *d, const struct request *alone, const struct 
 }
 
 /* In parts where limbs share nothing, else in segments where that pays. */
-static int divide_start(struct relay *r, const struct dag *raw, const struct request *alone, const struct parts_of *x, struct arena *a)
+static int divide_start(
+	struct relay *r, const struct dag *raw, const struct request *alone, const struct parts_of *x, struct arena *a)
 {
 	const struct parts_of own = {.whole = &r->start.function, .raw = raw, .tree = x->tree, .request = alone, .options = x->options,
 		.has_kernels = 1};
@@ -168,8 +171,8 @@ int relay_bytes(const struct relay *r, const struct rneagen_options *o)
 }
 
 /* As many warps as keep the registers of a multiprocessor busy, where shared memory has room for few blocks. Each block makes
-   the factors anew, and blocks along y beyond those that run at once wait (H100, 1024 samples, us, 8, 16 and 32 along y, of which 24
-   have room: atlas in f64 52.3, 49.7 and 58.7; 4096 samples, 4 and 6: 80.7 and 88.5; where 8 have room, floating atlas in f64:
+   the factors anew, and blocks along y beyond those that run at once wait (H100, 1024 samples, us, 8, 16 and 32 along y, of which
+   24 have room: atlas in f64 52.3, 49.7 and 58.7; 4096 samples, 4 and 6: 80.7 and 88.5; where 8 have room, floating atlas in f64:
    168, with 16 222). */
 static void set_grid(struct relay *r, const struct rneagen_options *o)
 {

@@ -1,8 +1,8 @@
 #ifndef RNEAGEN_RELAY_H
 #define RNEAGEN_RELAY_H
-/* A relay: a launch of gradients of qdd runs three kernels, one after the other. The first finds qdd. The second, in parts, leaves
-   -d tau at that qdd where the gradients belong. The third makes M^-1 of these columns in their places. So no kernel holds what the
-   others make; where one kernel does all, each part of it makes M and qdd anew. */
+/* A relay: a launch of gradients of qdd runs three kernels, one after the other. The first finds qdd. The second, in parts,
+   leaves -d tau at that qdd where the gradients belong. The third makes M^-1 of these columns in their places. So no kernel holds
+   what the others make; where one kernel does all, each part of it makes M and qdd anew. */
 
 #include "plan/grid/parts.h"
 
@@ -16,8 +16,8 @@ struct relay {
 	int room;               /* so many share the columns of small batches at most */
 };
 
-/* `x` tells of the one kernel. *relay is NULL where that serves, or a relay does not; else the parts are of its second kernel. Errors: as
-   of parts_make. */
+/* `x` tells of the one kernel. *relay is NULL where that serves, or a relay does not; else the parts are of its second kernel.
+   Errors: as of parts_make. */
 enum rneagen_code relay_or_parts(struct relay **relay, struct part **parts, int *count, const struct parts_of *x, struct arena *a,
 	struct rneagen_error *e);
 

@@ -70,10 +70,11 @@ static double within(double x, double most)
 	return x < 0 ? 0 : x > most ? most : x;
 }
 
-/* The same of texts of forward dynamics, which are longer. H100, qdd and both gradients, 1 M samples, ns beside the number of parts,
-   f32: floating hyq, 1 to 5 parts 6.5 4.8 2.5 2.8 2.9; atlas, 4 to 8, 10 and 12 parts 7.0 7.5 6.4 5.5 6.1 6.1 6.3, by base parameters
-   4 to 9 parts 6.7 6.9 5.1 4.2 4.2 4.7; g1_29dof, 4 and 6 parts 6.6 7.5: what this says is off by 12 % (rms). f64, where what waits is
-   spilled to memory: panda, 1 to 3 parts 1.83 0.93 1.00, iiwa14 0.43 0.56 0.71, atlas, 4, 6, 8 and 12 parts 24.6 31.4 32.0 33.6. */
+/* The same of texts of forward dynamics, which are longer. H100, qdd and both gradients, 1 M samples, ns beside the number of
+   parts, f32: floating hyq, 1 to 5 parts 6.5 4.8 2.5 2.8 2.9; atlas, 4 to 8, 10 and 12 parts 7.0 7.5 6.4 5.5 6.1 6.1 6.3, by base
+   parameters 4 to 9 parts 6.7 6.9 5.1 4.2 4.2 4.7; g1_29dof, 4 and 6 parts 6.6 7.5: what this says is off by 12 % (rms). f64,
+   where what waits is spilled to memory: panda, 1 to 3 parts 1.83 0.93 1.00, iiwa14 0.43 0.56 0.71, atlas, 4, 6, 8 and 12
+   parts 24.6 31.4 32.0 33.6. */
 static double forward_loss_of(const struct splitter *s, const struct size *z)
 {
 	int is_single = s->x->options->precision == RNEAGEN_F32;
@@ -87,9 +88,9 @@ static double forward_loss_of(const struct splitter *s, const struct size *z)
    measured, and in brackets what this says, summed, beside the number of parts that it takes: atlas at 131072 samples in
    f32, 3 to 6 and 8 parts 300 299 325 357 411 (348 299 336 372 442), in f64, 4 to 6 and 8 parts 803 802 798 915 (891 802
    886 1159); floating hyq at 262144 in f32, 1 to 3 parts 350 271 307 (460 271 299). Whole, atlas's warps wait for
-   instructions in three quarters of their cycles. Of parts alone in f64, with constants in a table: up to 8200 instructions, 128 KiB, a
-   million samples take 85 to 120 ps for each thousand of them, of 8640 161, of 9000 195, of 9200 209 and 229, of 9750 239; an operation
-   is 1.15 to 1.3 instructions. In f32 it is one, and parts of up to 7900 take 45 to 75. */
+   instructions in three quarters of their cycles. Of parts alone in f64, with constants in a table: up to 8200 instructions, 128
+   KiB, a million samples take 85 to 120 ps for each thousand of them, of 8640 161, of 9000 195, of 9200 209 and 229, of 9750 239;
+   an operation is 1.15 to 1.3 instructions. In f32 it is one, and parts of up to 7900 take 45 to 75. */
 static double loss_of(const struct splitter *s, const struct size *z)
 {
 	if (s->x->request->is_forward)

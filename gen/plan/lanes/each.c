@@ -9,13 +9,14 @@
 /* A loop makes two turns. */
 enum { LIMBS = 2 };
 
-/* Joints in a stretch of which motion is made again; values for which a thread has room, and what one more costs, in operations. H100,
-   1 M samples of tau with vjp in f64, ps, by stretches of 2, 3, 4, in brackets the most values at once: atlas 1310 (183), 1569 (194),
-   -; g1_29dof 1287 (139), 1253 (128), 1337 (137); jvrc1 1903 (224), 2119 (241), 2073 (261); g1_d_wheeled 2436 (173), 2499 (181),
-   2466 (201); romeo 898 (117), 884 (135), 853 (121). With all motion kept: atlas 1901 (247), g1_29dof 2094 (242), jvrc1 3094 (330),
-   romeo 1258 (167). H200, 4 M samples, each limb in threads of its own (each_threads.c), in brackets operations of the code: atlas 830
-   (4679), 848, 853; g1_29dof 821 (4573), 797, 792; jvrc1 1945 (6055), 1428 (5598), 1659; g1_d_wheeled 1088 (5431), 1102, 1150; romeo 790,
-   777, 757. So code for which the instruction cache has no room costs twice. */
+/* Joints in a stretch of which motion is made again; values for which a thread has room, and what one more costs, in
+   operations. H100, 1 M samples of tau with vjp in f64, ps, by stretches of 2, 3, 4, in brackets the most values at once: atlas
+   1310 (183), 1569 (194), -; g1_29dof 1287 (139), 1253 (128), 1337 (137); jvrc1 1903 (224), 2119 (241), 2073 (261);
+   g1_d_wheeled 2436 (173), 2499 (181), 2466 (201); romeo 898 (117), 884 (135), 853 (121). With all motion kept: atlas 1901
+   (247), g1_29dof 2094 (242), jvrc1 3094 (330), romeo 1258 (167). H200, 4 M samples, each limb in threads of its own
+   (each_threads.c), in brackets operations of the code: atlas 830 (4679), 848, 853; g1_29dof 821 (4573), 797, 792; jvrc1 1945
+   (6055), 1428 (5598), 1659; g1_d_wheeled 1088 (5431), 1102, 1150; romeo 790, 777, 757. So code for which the instruction cache
+   has no room costs twice. */
 static const int LENGTHS[] = {0, 4, 3, 2};
 enum { ROOM = 110, CODE_ROOM = 5600 };
 static const double COST_BEYOND = 40;

@@ -1,5 +1,5 @@
-/* Nodes of different limbs are twins if they are the same operation of twins, of what no limb owns, or of constants. A node of one
-   limb without three twins is no limb's, nor is what is made of several limbs' nodes. */
+/* Nodes of different limbs are twins if they are the same operation of twins, of what no limb owns, or of constants. A node of
+   one limb without three twins is no limb's, nor is what is made of several limbs' nodes. */
 #include "plan/lanes/lanes.h"
 #include <string.h>
 
@@ -43,7 +43,8 @@ static int joint_row(const struct finder *f, const struct argument *a, int row)
 	return is_of_joints && nv > 0 && a->rows % nv == 0 ? row % nv : -1;
 }
 
-/* The limb, from 1, that an input's row belongs to, and its place: which of the first limb's bodies, and in which turn; 0: none. */
+/* The limb, from 1, that an input's row belongs to, and its place: which of the first limb's bodies, and in which
+   turn; 0: none. */
 static int limb_of_input(const struct finder *f, const struct node *n, uint64_t *place)
 {
 	const struct argument *a;

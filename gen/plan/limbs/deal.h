@@ -59,8 +59,8 @@ static inline unsigned char deal_did(const struct dealer *x, int warp, uint32_t 
 	return x->did[(size_t)warp * x->lines + line];
 }
 
-/* Operations of the sines that a warp has where they are shared out; of a line, where a sine with its cosine is 24, and what is read or
-   stored one. */
+/* Operations of the sines that a warp has where they are shared out; of a line, where a sine with its cosine is 24, and what is
+   read or stored one. */
 unsigned deal_sines_most(const struct dealer *x, int warps);
 unsigned deal_weight(const struct readings *r, size_t line);
 

@@ -4,23 +4,24 @@
 /* H100, one sample and 4096, us, old kernel and limbs. Four warps: hyq 2.07 and 1.24, 2.33 and 1.56; g1_29dof 5.39 and
    2.67, 6.55 and 5.49; atlas in f64 6.60 and 3.20, 8.03 and 7.40. Eight warps are better where four are long:
    g1_brainco 20.6 and 8.8, with four 11.2; atlas gains nothing from them, its gradients in 4 parts take 10.9 instead
-   of 9.7, and two warps are slower. With sines made first, one sample by four warps and eight: qdd of atlas 3.8 and 5.4, in f64 10.3 and 9.0,
-   tau of g1_brainco 4.4 and 6.4, in f64 11.4 and 8.9, with the vjp of jvrc1 9.4 and 8.5, in f64 15.2 and 9.6. Arms gain nothing:
-   iiwa14 1.42 and 1.50. Functions of more operations were not measured: it takes seconds to share them out, and more values than there are
-   registers wait in each warp. */
+   of 9.7, and two warps are slower. With sines made first, one sample by four warps and eight: qdd of atlas 3.8 and 5.4, in
+   f64 10.3 and 9.0, tau of g1_brainco 4.4 and 6.4, in f64 11.4 and 8.9, with the vjp of jvrc1 9.4 and 8.5, in f64 15.2 and 9.6.
+   Arms gain nothing: iiwa14 1.42 and 1.50. Functions of more operations were not measured: it takes seconds to share them out,
+   and more values than there are registers wait in each warp. */
 enum { LEAST_OPERATIONS = 800, MOST_OPERATIONS = 10000, WARPS = 4, FEWER_WARPS = 3, FEWER_PERCENT = 90,
 	MORE_WARPS = 8 };
 
-/* More warps are more code, since several make the same values; and what one multiprocessor has no room for is fetched each time, an
-   instruction in 1.3 cycles for all its warps together. So the number of warps is that of the least cost, in operations: those of the
-   longest warp, a share of those that all warps have beyond `room`, and some for each value that a warp has at once beyond `values`,
-   which then waits in memory; `least` is what an empty kernel takes, and waiting. Fitted to 210 times of 78 texts with 3, 4 and 8 warps,
-   in f32 and f64, of one sample (weight 0.7), 256 and 1024 (H100). Eight where four have more than 2000 operations, and four else, was
-   the rule before: of 28 texts that changed, one sample takes 0.85 of the time, 256 0.87, 1024 0.82; of 8 others, to which nothing was
-   fitted, 0.96, 0.90 and 0.85. One sample by three warps, four and eight, us: qdd of floating baxter 4.3 7.3 8.2; tau with the vjp of floating pr2 5.6 7.4 7.6; in f64 qdd of floating hyq 4.2 6.0 7.2, of
-   floating anymal_kinova 6.0 10.2 10.5, of atlas 7.0 10.3 9.0; but tau with the vjp of romeo 9.1 9.6 7.4, of shadow_hand_right 5.8 5.6
-   3.5. At worst it errs by a fifth: qdd of g1_29dof in f64 takes 11.0 with four instead of 9.3 with eight. Where all code has room four
-   are best: eight take 0.9 to 1.05 of the time for one sample, and 1.15 for 1024. */
+/* More warps are more code, since several make the same values; and what one multiprocessor has no room for is fetched each time,
+   an instruction in 1.3 cycles for all its warps together. So the number of warps is that of the least cost, in operations: those
+   of the longest warp, a share of those that all warps have beyond `room`, and some for each value that a warp has at once beyond
+   `values`, which then waits in memory; `least` is what an empty kernel takes, and waiting. Fitted to 210 times of 78 texts with
+   3, 4 and 8 warps, in f32 and f64, of one sample (weight 0.7), 256 and 1024 (H100). Eight where four have more than 2000
+   operations, and four else, was the rule before: of 28 texts that changed, one sample takes 0.85 of the time, 256 0.87, 1024
+   0.82; of 8 others, to which nothing was fitted, 0.96, 0.90 and 0.85. One sample by three warps, four and eight, us: qdd of
+   floating baxter 4.3 7.3 8.2; tau with the vjp of floating pr2 5.6 7.4 7.6; in f64 qdd of floating hyq 4.2 6.0 7.2, of floating
+   anymal_kinova 6.0 10.2 10.5, of atlas 7.0 10.3 9.0; but tau with the vjp of romeo 9.1 9.6 7.4, of shadow_hand_right 5.8 5.6
+   3.5. At worst it errs by a fifth: qdd of g1_29dof in f64 takes 11.0 with four instead of 9.3 with eight. Where all code has
+   room four are best: eight take 0.9 to 1.05 of the time for one sample, and 1.15 for 1024. */
 static const struct code_limits {
 	unsigned least, room, percent, values, for_spilled;
 } CODE[] = {{4560, 5000, 172, 214, 26}, {1670, 3870, 65, 171, 49}};
@@ -35,8 +36,8 @@ enum { START = 330, LATER = 270 };
    and 34.3. */
 enum { SHORT_OPERATIONS = 1500, MOST_SHORT = 16384, MOST_LONG = 4096, MOST_JOINED = 1024 };
 
-/* With sines made first in f64, 2048 samples, whole and limbs: tau of chain_75 43.1 and 27.7, of g1_brainco 21.1 and 18.3, of floating
-   g1_29dof 11.8 and 7.1, but of jvrc1 7.2 and 7.7; gradients in parts gain nothing there, nor do f32 texts. */
+/* With sines made first in f64, 2048 samples, whole and limbs: tau of chain_75 43.1 and 27.7, of g1_brainco 21.1 and 18.3, of
+   floating g1_29dof 11.8 and 7.1, but of jvrc1 7.2 and 7.7; gradients in parts gain nothing there, nor do f32 texts. */
 enum { MOST_FIRST_F64 = 2048 };
 
 /* Limbs that share much, or something and gain little, win within one block alone; one sample and 1024, us, whole and limbs, with
@@ -53,23 +54,24 @@ enum { GROUPS = 2, REGISTERS = 65536, SPARE_REGISTERS = 24, MOST_THREADS = 1024 
    atlas in f32 at 1024 samples 8.4 and in parts 5.9; f64, limbs for 1, 256 and 1024 samples, and parts for 4096: qdd of
    atlas 10.7 13.4 18.7 and 17.3, of g1_29dof 14.7 17.8 24.1 and 11.5, of jvrc1 17.6 21.9 30.4 and 23.5; tau and vjp of
    atlas 9.5 12.2 17.2 and 20.1, of g1_29dof 11.0 14.5 20.7 and 13.6, of romeo 17.2 for 1024 and 14.5, of baxter 6.9 and
-   5.9. With sines made first, one sample, 256 and 512, in parts and by limbs: qdd of atlas 6.4 6.2 6.2 and 4.2 5.1 5.6, in f64 10.4 9.4 9.8
-   and 9.5 10.2 11.4, of g1_29dof in f64 8.7 9.4 9.8 and 9.8 10.6 11.8; tau and vjp of atlas 6.4 6.2 6.4 and 4.4 5.3 5.8, in f64 17.8 15.0
-   13.9 and 9.0 9.6 10.3, of jvrc1 20.2 20.6 20.3 and 10.1 11.4 12.8, of g1_29dof 11.3 11.1 11.4 and 9.4 12.2 13.5, of romeo 10.4 9.9 10.7 and
-   9.7 11.5 12.4. Warps for each part instead of for the whole, one sample, 256 and 1024: qdd of g1_29dof 5.8 7.7 10.5 and 3.9 4.7 7.3, in
-   f64 9.3 11.8 15.8 and 10.0 10.7 14.9, of atlas in f64 9.1 11.4 15.2 and 10.4 12.1 16.4; tau and vjp of jvrc1 8.5 11.9 16.8 and 7.4 8.3
-   11.6, of g1_29dof in f64 9.4 12.2 16.6 and 10.8 11.6 15.2. */
+   5.9. With sines made first, one sample, 256 and 512, in parts and by limbs: qdd of atlas 6.4 6.2 6.2 and 4.2 5.1 5.6, in
+   f64 10.4 9.4 9.8 and 9.5 10.2 11.4, of g1_29dof in f64 8.7 9.4 9.8 and 9.8 10.6 11.8; tau and vjp of atlas 6.4 6.2 6.4
+   and 4.4 5.3 5.8, in f64 17.8 15.0 13.9 and 9.0 9.6 10.3, of jvrc1 20.2 20.6 20.3 and 10.1 11.4 12.8, of g1_29dof 11.3 11.1 11.4
+   and 9.4 12.2 13.5, of romeo 10.4 9.9 10.7 and 9.7 11.5 12.4. Warps for each part instead of for the whole, one sample, 256 and
+   1024: qdd of g1_29dof 5.8 7.7 10.5 and 3.9 4.7 7.3, in f64 9.3 11.8 15.8 and 10.0 10.7 14.9, of atlas in f64 9.1 11.4 15.2
+   and 10.4 12.1 16.4; tau and vjp of jvrc1 8.5 11.9 16.8 and 7.4 8.3 11.6, of g1_29dof in f64 9.4 12.2 16.6 and 10.8 11.6
+   15.2. */
 enum { MOST_BESIDE_PARTS = 256, MOST_BESIDE_QDD_F64 = 32 };
 
 /* Outputs that go through windows have no limbs, whose warps would write elements that stand a sample apart (64 to 4096 samples,
    both gradients of hyq, whole matrices: 21 us, through windows 8.6). */
 
-/* Kernels of long functions have the sines of all angles made before their warps part, by all threads, in one loop: a warp with 20 sines in
-   its lines fetches the code of each. H100, us, one sample, 32 and 1024, without and with: gradients of atlas in f64 15.9 15.9 24.1 and
-   11.1 11.8 19.1, in f32 8.4 8.4 11.3 and 8.0 8.5 11.0; tau of chain_75 14.1 14.2 25.0 and 11.1 12.6 20.1, in f64 25.7 25.8 42.4 and 14.4
-   16.4 25.1; qdd of atlas 6.2 6.3 11.0 and 3.8 4.5 7.8. What is made first waits: not so tau of atlas, 2.4 2.5 3.9 and 2.5 3.3 4.4, and
-   tau with vjp of floating hyq in f64, 3.1 3.1 5.9 and 4.1 4.4 7.6. In f64, where a sine is three times as many instructions, it counts
-   twice: tau of floating g1_29dof 5.7 5.8 8.9 and 3.4 4.5 6.5. */
+/* Kernels of long functions have the sines of all angles made before their warps part, by all threads, in one loop: a warp with
+   20 sines in its lines fetches the code of each. H100, us, one sample, 32 and 1024, without and with: gradients of atlas in
+   f64 15.9 15.9 24.1 and 11.1 11.8 19.1, in f32 8.4 8.4 11.3 and 8.0 8.5 11.0; tau of chain_75 14.1 14.2 25.0 and 11.1 12.6 20.1,
+   in f64 25.7 25.8 42.4 and 14.4 16.4 25.1; qdd of atlas 6.2 6.3 11.0 and 3.8 4.5 7.8. What is made first waits: not so tau of
+   atlas, 2.4 2.5 3.9 and 2.5 3.3 4.4, and tau with vjp of floating hyq in f64, 3.1 3.1 5.9 and 4.1 4.4 7.6. In f64, where a sine
+   is three times as many instructions, it counts twice: tau of floating g1_29dof 5.7 5.8 8.9 and 3.4 4.5 6.5. */
 enum { FIRST_SINES = 4100, SINE_OPERATIONS = 24 };
 
 /* A wait costs as much as so many operations. */
@@ -102,7 +104,8 @@ static int makes_sines_first(struct function *const *functions, int count, const
 }
 
 /* Returns the operations of the longest warp; 0 where one of them gains nothing. */
-static unsigned make_all(struct function *const *functions, int count, int warps, const struct rneagen_options *o, struct arena *a)
+static unsigned make_all(
+	struct function *const *functions, int count, int warps, const struct rneagen_options *o, struct arena *a)
 {
 	struct limbs_limits limits = {.warps = warps,
 		.across = SHARED_BYTES / WARP_THREADS / number_bytes(o) - 1, .join = JOIN_OPERATIONS,

@@ -6,15 +6,15 @@
 /* Operations beyond which other texts have such kernels, in f32 and in f64. */
 enum { LEAST_SINGLE = 1400, LEAST_DOUBLE = 2000 };
 
-/* Bytes of a sample with a vjp at most, of one part and of the only one: ptxas leaves room for no more than 640 of a thread, for what no
-   register holds among them. */
+/* Bytes of a sample with a vjp at most, of one part and of the only one: ptxas leaves room for no more than 640 of a thread, for
+   what no register holds among them. */
 enum { PRODUCT_BYTES = 560, ALONE_BYTES = 640 };
 
 /* Values at once of accelerations in f32, beyond which they would spill, and tiles take the room. */
 enum { FULL_FORWARD = 220 };
 
-/* Threads of a block: H100, ps of 4 M samples in blocks of 32, 64 and 128, tau with vjp in f32 of atlas 385, 346, 345, of g1_29dof 397, 349,
-   349; in f64 of g1_29dof 722, 714, 742. What a kernel has beside the tiles. */
+/* Threads of a block: H100, ps of 4 M samples in blocks of 32, 64 and 128, tau with vjp in f32 of atlas 385, 346, 345, of
+   g1_29dof 397, 349, 349; in f64 of g1_29dof 722, 714, 742. What a kernel has beside the tiles. */
 enum { MOST_THREADS = 64, OTHER_BYTES = 1024 };
 
 /* The first function, or its parts, which are to have tiles. */

@@ -1,7 +1,7 @@
 #ifndef RNEAGEN_TILES_H
 #define RNEAGEN_TILES_H
-/* Rows of a block's samples that come to shared memory, and leave it, as tiles: a copy engine moves some rows of an array at once, by a
-   tensor map. Kernels of large batches have them, one for each part of a text, in layout soa. */
+/* Rows of a block's samples that come to shared memory, and leave it, as tiles: a copy engine moves some rows of an array at
+   once, by a tensor map. Kernels of large batches have them, one for each part of a text, in layout soa. */
 
 #include "plan/grid/parts.h"
 
@@ -45,7 +45,8 @@ int tiles_are_inputs(const struct function *p);
 /* Are the rows of q that it has in slices in two stretches, with a gap between them? */
 int tiles_divide_q(const struct function *p);
 
-/* The rows that the slices of a function have, those of a part that shares nothing with others, or of tiles of inputs; NULL: of all. */
+/* The rows that the slices of a function have, those of a part that shares nothing with others, or of tiles of inputs; NULL: of
+   all. */
 const struct stretches *tiles_rows(const struct function *p);
 
 #endif

@@ -6,7 +6,8 @@
 #include "cuda/compile/jit.h"
 #include "core/source.h"
 
-/* Which kernels of the text: all, or all but those that have programs of their own; the kernels of small batches; those of parts. */
+/* Which kernels of the text: all, or all but those that have programs of their own; the kernels of small batches;
+   those of parts. */
 enum image_share { IMAGE_ALL, IMAGE_MAIN, IMAGE_LIMBS, IMAGE_ALONE };
 
 struct image_request {

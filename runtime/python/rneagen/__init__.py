@@ -15,6 +15,9 @@ generate     the text, CUDA C or C
 report       every variant measured: speed and error
 choose       the fastest that is close enough
 """
+import importlib
+from typing import TYPE_CHECKING
+
 from ._commands import Choice, Text, choose, generate, report
 from ._core import version as __version__
 from ._errors import BackendError, Error, RobotError
@@ -23,3 +26,10 @@ from ._sparse import Sparse
 
 __all__ = ["BackendError", "Choice", "Error", "Limits", "Robot", "RobotError", "Sparse", "Text", "choose",
            "generate", "load", "report"]
+
+if not TYPE_CHECKING:
+    def __getattr__(name: str):
+        """rneagen.jax and rneagen.torch, which import what they are for, by their names alone."""
+        if name not in ("jax", "torch"):
+            raise AttributeError(f"module 'rneagen' has no attribute '{name}'")
+        return importlib.import_module(f"rneagen.{name}")

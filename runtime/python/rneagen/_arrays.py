@@ -130,6 +130,12 @@ def lead_of(given: Iterable[tuple[Array, tuple[int, ...]]]) -> tuple[int, ...]:
     return lead or ()
 
 
+def samples_of(inputs: Iterable[Array], arrays: Iterable[Any]) -> tuple[int, ...]:
+    """The axes of samples of these inputs' arrays, of which None was left out."""
+    of_samples = ((a, x) for a, x in zip(inputs, arrays) if x is not None and not a.per_batch)
+    return next((tuple(x.shape[:len(x.shape) - len(a.shape)]) for a, x in of_samples), ())
+
+
 def tuple_out(robot, out: Any, kind: str) -> tuple:
     """An array for each output; `kind` is what messages call them."""
     outputs = out if isinstance(out, tuple) else (out,)
@@ -190,7 +196,7 @@ def complete(robot, arrays: Sequence[Any]) -> tuple[numpy.ndarray, ...]:
     """Plain arrays, what was left out filled in."""
     given = [x for x in arrays if x is not None]
     dtype = given[0].dtype if given else DTYPES[robot.scalar or "f64"]
-    lead = next((x.shape[:x.ndim - len(a.shape)] for a, x in zip(robot.inputs, arrays) if x is not None and not a.per_batch), ())
+    lead = samples_of(robot.inputs, arrays)
     return tuple(fill(a, lead, dtype) if x is None else numpy.asarray(x) for a, x in zip(robot.inputs, arrays))
 
 

@@ -13,14 +13,15 @@ they are the output jvp of a third text, H d (--jvp vjp), by w they are products
     forward    vjp varies by H d + dw' J
     backward   with g the gradient by vjp, the loss varies by H' g with the state, by J g with w
 
-H is symmetric but for rows of floating joints, whose twists do not commute: (H' g)_j = (H g)_j + vjp . [e_j, g], with Lie's bracket
-[(a, b), (c, d)] = (b x c + a x d, b x d) of twists (linear, angular).
+H is symmetric but for rows of floating joints, whose twists do not commute: (H' g)_j = (H g)_j + vjp . [e_j, g], with Lie's
+bracket [(a, b), (c, d)] = (b x c + a x d, b x d) of twists (linear, angular).
 """
 from __future__ import annotations
 
 import re
 from typing import Any, Callable, Iterable, NamedTuple, Sequence
 
+from . import _arrays
 from ._errors import RobotError
 
 PARTS = {"joint_position": 0, "joint_velocity": 1, "joint_acceleration": 2, "joint_torque": 2}  # of vjp and jvp_v
@@ -180,8 +181,7 @@ class Gradients:
         arrays have. The tangent of a constant of the whole batch may have them too: it is `apart` then."""
         library = self.library
         given = [(a, d) for a, d in zip(self.robot.inputs, tangents) if d is not None]
-        lead = next((tuple(x.shape[:len(x.shape) - len(a.shape)])
-                     for a, x in zip(self.robot.inputs, arrays) if not a.per_batch), ())
+        lead = _arrays.samples_of(self.robot.inputs, arrays)
         values = {a.word: x for a, x in zip(self.robot.inputs, arrays)}
         state = [(a, d) for a, d in given if a.role != "cotangent"]
         weights = next((d for a, d in given if a.role == "cotangent"), None)

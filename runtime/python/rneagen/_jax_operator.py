@@ -23,12 +23,8 @@ _operators: dict[str, "Operator"] = {}
 
 
 def register() -> None:
-    """Give XLA the handlers; BackendError where this package was built without them."""
-    handlers = _core.xla_handlers()
-    if not handlers:
-        raise BackendError("this build of rneagen takes no arrays of JAX, for XLA's header was not there: build it again "
-                           "where jaxlib is installed", "NO_XLA")
-    for platform, handler in handlers.items():
+    """Give XLA the handlers, where this package was built with them."""
+    for platform, handler in _core.xla_handlers().items():
         jax.ffi.register_ffi_target(TARGET, handler, platform=platform)
 
 
@@ -58,12 +54,11 @@ class Operator:
 
 
 def operator_of(robot) -> Operator:
+    """BackendError where this package was built without handlers."""
+    if not _core.xla_handlers():
+        raise BackendError("this build of rneagen takes no arrays of JAX, for XLA's header was not there: build it again "
+                           "where jaxlib is installed", "NO_XLA")
     return _robot.operator_of(robot, "_jax", _operators, lock, lambda name: Operator(robot, name))
-
-
-def lead_of(operator: Operator, arrays: Sequence) -> tuple[int, ...]:
-    return next((tuple(x.shape[:len(x.shape) - len(a.shape)])
-                 for a, x in zip(operator.robot.inputs, arrays) if not a.per_batch), ())
 
 
 # ---- shard_map ----
@@ -101,7 +96,7 @@ def run(operator: Operator, arrays: Sequence) -> tuple:
 
 @call_p.def_abstract_eval
 def shapes(*avals, operator):
-    lead = lead_of(operator, avals)
+    lead = _arrays.samples_of(operator.robot.inputs, avals)
     return [avals[0].update(shape=(*lead, *a.shape), weak_type=False) for a in operator.robot.outputs]
 
 
@@ -181,7 +176,7 @@ mlir.register_lowering(tangent_p, mlir.lower_fun(compute, multiple_results=True)
 
 @tangent_p.def_abstract_eval
 def tangent_shapes(*avals, operator, of, given):
-    lead = lead_of(operator, avals)
+    lead = _arrays.samples_of(operator.robot.inputs, avals)
     return [avals[0].update(shape=(*lead, *operator.robot.outputs[i].shape), weak_type=False) for i in of]
 
 
@@ -189,7 +184,7 @@ def batch_tangent(args, dims, *, operator, of, given):
     inputs, count = operator.robot.inputs, len(operator.robot.inputs)
     size = size_of(args, dims)
     moved = [to_front(a, x, d, size) for a, x, d in zip(inputs, args, dims)]
-    lead = lead_of(operator, moved)
+    lead = _arrays.samples_of(inputs, moved)
     moved += [tangent_to_front(inputs[i], x, d, lead) for i, x, d in zip(given, args[count:], dims[count:])]
     return tangent_p.bind(*moved, operator=operator, of=of, given=given), (0,) * len(of)
 

@@ -100,7 +100,8 @@ class Robot(_core.Robot):
     base's frame, linear then angular, in qd. All arrays have the same leading axes, but inputs
     that are one for all samples, and one dtype, float32 or float64. What lies in several pieces is copied. The outputs are
     of the caller's library: NumPy, PyTorch, CuPy, JAX, or another with DLPack. A GPU's arrays are computed where they are, in the
-    current stream. `inputs` and `outputs` tell of each array its name, shape and role, and the default of one that may be left out.
+    current stream. `inputs` and `outputs` tell of each array its name, shape and role, and the default of one that may be left
+    out.
 
     `out` is an array for the output; for several outputs a tuple of arrays. Inputs also go by their names: robot(q=q,
     qd=qd, qdd=qdd). What the scene frees (free=, fext=) is an input too; left out, it is as the URDF has it.

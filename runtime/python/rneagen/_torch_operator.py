@@ -200,7 +200,8 @@ class Operator:
             name = "out" if array.is_output else array.name
             check_tensor(name, x, self.inputs[0].name, tensors[0])
             if x.numel() and not x.data_ptr():
-                raise ValueError(f"{name}: it has no memory: it was freed, or PyTorch has not written it; {name}.clone() is a tensor that has")
+                raise ValueError(f"{name}: it has no memory: it was freed, or PyTorch has not written it; {name}.clone() is a "
+                                 f"tensor that has")
 
     def run(self, *given: Tensor | None):
         tensors = self.one_piece(given)

@@ -1,7 +1,7 @@
 """PyTorch: robots are called with tensors, of the processor or of a GPU, and are differentiated.
 
-    tau = robot(q, qd, qdd)         # the tensors' own device and current stream; nothing waits, and nothing in one piece is copied
-    tau.sum().backward()            # by the text of the vector-Jacobian product, compiled when it is first needed
+    tau = robot(q, qd, qdd)    # the tensors' own device and current stream; nothing waits, and nothing in one piece is copied
+    tau.sum().backward()       # by the text of the vector-Jacobian product, compiled when it is first needed
 
 Each robot is an operator of torch.library, named rneagen::ROBOT_HASH after its URDF and keywords, so torch.compile
 keeps its graph in one piece, and torch.func.vmap, grad and jacrev work. Import this module before torch.compile sees

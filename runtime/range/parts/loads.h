@@ -19,8 +19,8 @@ struct loads {
 	unsigned char *of; /* by node: 1 + the limb of whose wrench it is made, LOADS_LIMBS + 1: of several; 0: of none */
 };
 
-/* Of limbs that are chosen, by body. Returns 0 when memory runs out, where force and moment are no such sums, or where not all six
-   numbers of a limb's wrench have a name. */
+/* Of limbs that are chosen, by body. Returns 0 when memory runs out, where force and moment are no such sums, or where not all
+   six numbers of a limb's wrench have a name. */
 int loads_find(struct loads *l, const struct dag *d, const struct tree *t, int carrier, const unsigned char *is_limb,
 	struct arena *a);
 

@@ -216,7 +216,8 @@ def shares(rows):
 
 def share_table(rows):
     lines = [[name, *(f"{100 * x / sum(parts):.0f} %" for x in parts), short(sum(parts))] for name, *parts in shares(rows)]
-    return markdown([f"f32, {SHARED} samples a call", f"start-up / {CALLS}", "copies", "launches and gaps", "kernels", "in all, us"], lines)
+    return markdown([f"f32, {SHARED} samples a call", f"start-up / {CALLS}", "copies", "launches and gaps", "kernels",
+                     "in all, us"], lines)
 
 
 # ---- where the processor stops to be faster ----
@@ -318,7 +319,8 @@ def slices(rows):
     if not rows.find("NumPy", "straight, processes", "cpu", precision="f64"):
         return ""
     return ("NumPy works on slices of the samples, in threads, or in processes that share the arrays. Threads wait for "
-            "Python's lock\nbefore each operation. glibc is told to keep freed memory (MALLOC_TRIM_THRESHOLD_). Without that NumPy "
+            "Python's lock\nbefore each operation. glibc is told to keep freed memory (MALLOC_TRIM_THRESHOLD_). "
+            "Without that NumPy "
             "takes several times\nas long, because each array gets fresh pages.\n")
 
 

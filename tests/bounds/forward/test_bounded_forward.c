@@ -15,12 +15,14 @@ enum { SEED = 16, SAMPLES = 20, ROWS = 256 };
 /* tau of `tail` is friction alone, whose quotient and root are all that is off. */
 static const char rubbing[] =
 	"<robot name='rub'><link name='a'/><link name='b'><inertial><origin xyz='.1 .2 .3'/><mass value='0.3'/>"
-	"<inertia ixx='.1' iyy='.1' izz='.1' ixy='0' ixz='0' iyz='0'/></inertial></link><link name='c'><inertial><origin xyz='.1 .2 .3'/><mass value='0.7'/>"
+	"<inertia ixx='.1' iyy='.1' izz='.1' ixy='0' ixz='0' iyz='0'/></inertial></link><link name='c'><inertial><origin xyz='.1 "
+	".2 .3'/><mass value='0.7'/>"
 	"<inertia ixx='.1' iyy='.1' izz='.1' ixy='0' ixz='0' iyz='0'/></inertial></link><link name='d'/>"
 	"<joint name='rub' type='continuous'><parent link='a'/><child link='b'/><dynamics friction='0.7'/></joint>"
 	"<joint name='slide' type='prismatic'><parent link='a'/><child link='c'/><axis xyz='0 0.6 0.8'/>"
 	"<dynamics friction='0.1'/><limit lower='-1' upper='1' velocity='1' effort='1'/></joint>"
-	"<joint name='tail' type='continuous'><parent link='c'/><child link='d'/><axis xyz='1 0 0'/><dynamics friction='1e-4'/></joint></robot>";
+	"<joint name='tail' type='continuous'><parent link='c'/><child link='d'/><axis xyz='1 0 0'/><dynamics "
+	"friction='1e-4'/></joint></robot>";
 
 static const struct forward_kind KINDS[] = {
 	{"f32", {.precision = RNEAGEN_F32}, {"-O0", "-Dalways_inline=unused", "-ffp-contract=off"}},

@@ -59,8 +59,9 @@ static void print_tally(const struct tally *t, const char *what, const struct fo
 {
 	struct operation_count c = plan_operations(&(struct plan){.dag = &x->analysis.dag});
 
-	printf("%-36s nv %2d, %7u operations: %3.0f %% finite; error at most %.2g of a bound; bound %8.2g of the norm at most, %6.1f errors in the middle\n", what, x->solved.nv,
-		plan_flops(c), 100.0 * (double)t->finite / (double)t->samples, t->worst, t->norm,
+	printf("%-36s nv %2d, %7u operations: %3.0f %% finite; error at most %.2g of a bound; bound %8.2g of the norm at most, "
+		"%6.1f errors in the middle\n",
+		what, x->solved.nv, plan_flops(c), 100.0 * (double)t->finite / (double)t->samples, t->worst, t->norm,
 		t->finite ? exp(t->over / (double)t->finite) : 0);
 }
 
@@ -198,7 +199,8 @@ static const double *payload(const char *name)
 
 START_TEST(carried)
 {
-	static const char more[] = "<link name='load'><inertial><origin xyz='0.25 0 -0.5'/><mass value='0.5'/><inertia ixx='0.125' iyy='0.125' "
+	static const char more[] =
+		"<link name='load'><inertial><origin xyz='0.25 0 -0.5'/><mass value='0.5'/><inertia ixx='0.125' iyy='0.125' "
 		"izz='0.125' ixy='0' ixz='0' iyz='0'/></inertial></link><joint name='hold' type='fixed'><parent link='iiwa_link_7'/>"
 		"<child link='load'/></joint></robot>";
 	char *urdf = robot("iiwa14"), *loaded = calloc(1, strlen(urdf) + sizeof more), *end;

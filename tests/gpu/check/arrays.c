@@ -19,7 +19,8 @@ static void arrays_fill(const struct gpu *g, struct arrays *a, const struct rnea
 }
 
 /* Every other array begins an element further on than its memory, if that is asked for. */
-static struct arrays make(const struct gpu *g, const struct rnea_info *info, const struct reference *r, size_t count, int is_shifted)
+static struct arrays make(
+	const struct gpu *g, const struct rnea_info *info, const struct reference *r, size_t count, int is_shifted)
 {
 	struct arrays a = {.n = info->input_count + info->output_count, .count = count};
 	size_t most = 0;

@@ -91,8 +91,8 @@ struct floor {
 void floor_open(const struct gpu *g, struct floor *f);
 void floor_close(const struct gpu *g, struct floor *f);
 
-/* The latencies. Once a context has run kernels in several streams, each launch of a graph takes longer (H100, driver 580: 0.18 us, an
-   empty kernel's too), and stays so: --latency has a context of its own. */
+/* The latencies. Once a context has run kernels in several streams, each launch of a graph takes longer (H100, driver 580: 0.18
+   us, an empty kernel's too), and stays so: --latency has a context of its own. */
 void measure_latency(const struct gpu *g, const struct settings *s, struct item *it, const struct reference *r);
 
 /* s for a launch of an empty kernel in a graph; 0: there is none. */
@@ -110,7 +110,8 @@ double cost_launch(const struct gpu *g, const struct settings *s, CUfunction fun
 /* Open the text at `path` with the empty folder `cache`, then with what it has left there. */
 void cost_build(struct item *it, const char *path, const char *cache);
 
-/* Adds a row to `path`: text, robot, precision, layout, us of an empty kernel, of 1 and of 1024 samples. Returns 1 where it failed. */
+/* Adds a row to `path`: text, robot, precision, layout, us of an empty kernel, of 1 and of 1024 samples. Returns 1 where it
+   failed. */
 int report_latency(const struct floor *f, const struct item *it, const char *path);
 
 /* A table on standard output, and the same and more at `path`. Returns the number of items that failed. */

@@ -1,6 +1,6 @@
-/* A kernel of its own for each part: from LEAST samples on both launches run these, with the whole text's values, and below it the one
-   kernel; a robot works without them. In the text the one kernel is broken, so that who ran is seen. Their tiles are moved by an engine
-   that tests/fake plays. */
+/* A kernel of its own for each part: from LEAST samples on both launches run these, with the whole text's values, and below it
+   the one kernel; a robot works without them. In the text the one kernel is broken, so that who ran is seen. Their tiles are
+   moved by an engine that tests/fake plays. */
 #define _GNU_SOURCE
 #include "launched.h"
 #include "cuda/compile/jit.h"
@@ -13,7 +13,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { LEAST = 1000, COUNT = LEAST + 44, SEED = 20261127 }; /* the text's own number is larger; rows begin at multiples of 16 bytes */
+/* the text's own number is larger; rows begin at multiples of 16 bytes */
+enum { LEAST = 1000, COUNT = LEAST + 44, SEED = 20261127 };
 
 static const struct subject {
 	const char *robot, *scene;
@@ -150,7 +151,8 @@ START_TEST(test_values)
 		return;
 	run_parts(s, &broken, &x);
 	ck_assert_uint_eq(x.info->functions->part_kernels, LEAST);
-	if (!x.info->functions->relay_warps && !x.info->functions->hands[0]) { /* a relay's third kernel would solve with what is not there */
+	/* a relay's third kernel would solve with what is not there */
+	if (!x.info->functions->relay_warps && !x.info->functions->hands[0]) {
 		check_other(s, &broken, LEAST - 1);
 		check_other(s, &broken, COUNT + 1); /* rows begin anywhere */
 	}
@@ -159,7 +161,8 @@ START_TEST(test_values)
 }
 END_TEST
 
-/* A device without the engine: the same kernels read and write the arrays themselves. It would catch a kernel that takes tiles for granted. */
+/* A device without the engine: the same kernels read and write the arrays themselves. It would catch a kernel that takes tiles
+   for granted. */
 START_TEST(test_older)
 {
 	struct target broken;
@@ -173,8 +176,8 @@ START_TEST(test_older)
 }
 END_TEST
 
-/* With wrenches of many links parts have more tiles than a launch passes on: then they have none. It would catch kernels of maps that are
-   not there. */
+/* With wrenches of many links parts have more tiles than a launch passes on: then they have none. It would catch kernels of maps
+   that are not there. */
 START_TEST(test_too_many)
 {
 	static const char *const links[] = {"head", "l_clav", "l_foot", "l_hand", "l_larm", "l_lfarm", "l_lglut", "l_lleg", "l_scap",
@@ -224,7 +227,8 @@ START_TEST(test_program)
 {
 	const struct program *p = &PROGRAMS[_i];
 	char log[4096] = "";
-	struct jit_request r = {.file = "hyq.cu", .arch = 90, .options = p->options, .option_count = 2, .log = log, .log_size = sizeof log};
+	struct jit_request r = {
+		.file = "hyq.cu", .arch = 90, .options = p->options, .option_count = 2, .log = log, .log_size = sizeof log};
 	struct jit_image image;
 	struct rnea_error e = {0};
 	struct target t;
@@ -261,7 +265,9 @@ START_TEST(test_launch)
 		x = launched_run(open_robot(&t, NULL), count, SEED, 1);
 		for (size_t i = 3; i < 7; i++)
 			memset(x.arrays[i], 0xff, x.info->arguments[i].rows * count * sizeof(float)); /* NaN */
-		ck_assert_int_eq(launch(x.arrays[0], x.arrays[1], x.arrays[2], x.arrays[3], x.arrays[4], x.arrays[5], x.arrays[6], count, NULL), 0);
+		ck_assert_int_eq(launch(x.arrays[0], x.arrays[1], x.arrays[2], x.arrays[3], x.arrays[4], x.arrays[5], x.arrays[6],
+					 count, NULL),
+			0);
 		ck_assert_int_eq(written(&x) == all(&x), count == LEAST);
 		launched_free(&x);
 	}

@@ -1,5 +1,5 @@
-/* Torques, accelerations and vjp of limbs that share nothing, in parts of the grid: the same bits as of the whole text compiled as
-   C, for blocks that have room in shared memory and for others; which texts are in such parts, and which stay whole. */
+/* Torques, accelerations and vjp of limbs that share nothing, in parts of the grid: the same bits as of the whole text compiled
+   as C, for blocks that have room in shared memory and for others; which texts are in such parts, and which stay whole. */
 #include "launched.h"
 #include "base/text.h"
 #include "plan/grid/hands.h"
@@ -14,8 +14,8 @@ _Static_assert((int)HAND_LEVELS <= (int)RNEA_HANDS_LIMIT, "a runtime refuses the
 
 enum { COUNT = 1300, SEED = 20261124, LARGE_BLOCK = 512 }; /* beyond what the limbs' kernel takes; no multiple of a block */
 
-/* A robot of tests/robots, or of "limbs N M": N limbs of M links each on the ground, or of "hands N M": a leg, and a back with two
-   arms, each with a hand of N fingers of M links; "fists N M": the first joint of a hand moves them all. */
+/* A robot of tests/robots, or of "limbs N M": N limbs of M links each on the ground, or of "hands N M": a leg, and a back with
+   two arms, each with a hand of N fingers of M links; "fists N M": the first joint of a hand moves them all. */
 static const struct subject {
 	const char *name, *scene;
 	enum rneagen_precision precision;
@@ -83,7 +83,8 @@ static const struct subject WHOLE[] = {
 	{"chain_75", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, {0}, 1}, /* parts would be staged, and leave rows of their slices unwritten */
 };
 
-/* Links l<limb>_0, l<limb>_1, ..., the first of which hangs on another link. Joints follow the first of limb `driver`; -1: none does. */
+/* Links l<limb>_0, l<limb>_1, ..., the first of which hangs on another link. Joints follow the first of limb `driver`; -1: none
+   does. */
 static void put_limb(struct text *t, int limb, int links, const char *parent, int driver)
 {
 	static const char *const axes[] = {"0 0 1", "0 1 0", "1 0 0"};
@@ -144,7 +145,8 @@ static void generate(const struct subject *s, const struct rneagen_options *give
 	arena_free(&a);
 }
 
-static void check(const struct subject *s, const struct target *t, enum rnea_backend backend, unsigned block, const struct launch *y)
+static void check(
+	const struct subject *s, const struct target *t, enum rnea_backend backend, unsigned block, const struct launch *y)
 {
 	struct launch x = launched_run(launched_open(t, backend, block), COUNT, SEED, s->floating);
 	double worst = launched_distance(&x, y, s->name);
@@ -159,7 +161,8 @@ static void check(const struct subject *s, const struct target *t, enum rnea_bac
 	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? (grows ? 1e-3 : 2e-5) : s->precision == RNEAGEN_MIXED ? 1e-6 :
 		grows ? 1e-10 : 1e-13);
 #else
-	ck_assert_double_le(worst, !s->hands[0] ? 0 : s->precision == RNEAGEN_F32 ? 2e-5 : 1e-13); /* other products are joined to sums */
+	/* other products are joined to sums */
+	ck_assert_double_le(worst, !s->hands[0] ? 0 : s->precision == RNEAGEN_F32 ? 2e-5 : 1e-13);
 #endif
 	launched_free(&x);
 }
@@ -188,14 +191,17 @@ static void expect_launches(const struct subject *s, const char *source)
 	char launch[96];
 
 	for (int level = 0; level < 3 && s->hands[level]; level++) {
-		snprintf(launch, sizeof launch, level ? "_hands%d_kernel, dim3((unsigned)blocks, %u)" : "_hands%.0d_kernel, dim3((unsigned)blocks, %u)",
+		snprintf(launch, sizeof launch,
+			level ? "_hands%d_kernel, dim3((unsigned)blocks, %u)" : "_hands%.0d_kernel, dim3((unsigned)blocks, %u)",
 			level, s->hands[level]);
 		at = strstr(at, launch);
 		ck_assert_msg(at != NULL, "%s: %s", s->name, launch);
 	}
 	snprintf(launch, sizeof launch, "_rnea_kernel, dim3((unsigned)blocks, %d)", s->parts);
 	ck_assert(!s->hands[0] || strstr(at, launch));
-	ck_assert_ptr_nonnull(strstr(source, s->hands[1] ? "\"rneagen-info 7\\n\"" : s->hands[0] ? "\"rneagen-info 5\\n\"" : "\"rneagen-info 3\\n\""));
+	ck_assert_ptr_nonnull(strstr(source, s->hands[1]   ? "\"rneagen-info 7\\n\""
+					     : s->hands[0] ? "\"rneagen-info 5\\n\""
+							   : "\"rneagen-info 3\\n\""));
 }
 
 /* The text and its table say so; small batches have the kernel of the whole. */

@@ -1,5 +1,5 @@
-/* Loops over limbs that are alike, in kernels: what they give beside the whole text compiled as C, for robots whose limbs mirror each
-   other, turn the other way, and follow; which texts have loops, and which have none. */
+/* Loops over limbs that are alike, in kernels: what they give beside the whole text compiled as C, for robots whose limbs mirror
+   each other, turn the other way, and follow; which texts have loops, and which have none. */
 #include "launched.h"
 #include "base/text.h"
 #include "support/exhaustive.h"
@@ -10,12 +10,12 @@
 
 enum { COUNT = 1300, SEED = 20261127, LARGE_BLOCK = 512 }; /* beyond what the limbs' kernel takes; no multiple of a block */
 
-/* Two legs on the ground, and a back that carries a neck and two arms. Each arm has fingers, the last joint of which follows the one
-   before it. */
+/* Two legs on the ground, and a back that carries a neck and two arms. Each arm has fingers, the last joint of which follows the
+   one before it. */
 struct shape {
 	int leg, arm, fingers; /* links of a leg, and of an arm */
-	enum { MIRRORED, UNEVEN, STRAIGHT, FOLLOWED } how; /* the right arm has one link more; no joint turns the other way; the neck follows the
-							      left arm's first joint */
+	/* the right arm has one link more; no joint turns the other way; the neck follows the left arm's first joint */
+	enum { MIRRORED, UNEVEN, STRAIGHT, FOLLOWED } how;
 };
 
 static const struct subject {
@@ -33,13 +33,15 @@ static const struct subject {
 	{{6, 14, 0, MIRRORED}, "want tau,vjp\n", NULL, RNEAGEN_F32, 0, 2, 0, 0, 1},
 	{{4, 5, 1, MIRRORED}, "want tau,bias,gravity\n", NULL, RNEAGEN_F64, 0, 2, 0, 1, 1},
 	{{6, 7, 3, MIRRORED}, "want tau,vjp\nfold qdd=0\n", NULL, RNEAGEN_F64, 0, 2, 1, 1, 1},
-	{{6, 7, 3, STRAIGHT}, "fext right_103\nfext back_1\n", NULL, RNEAGEN_F64, 0, 2, 0, 1, 1}, /* a wrench that the other limb does not feel */
+	/* a wrench that the other limb does not feel */
+	{{6, 7, 3, STRAIGHT}, "fext right_103\nfext back_1\n", NULL, RNEAGEN_F64, 0, 2, 0, 1, 1},
 	{{6, 7, 3, STRAIGHT}, "free payload.right_103:sample\n", NULL, RNEAGEN_F64, 0, 2, 0, 1, 1},
 	{{3, 12, 0, MIRRORED}, "", "legs", RNEAGEN_F64, 0, 2, 0, 0, 0}, /* rows of the legs in turn */
 	{{6, 9, 11, MIRRORED}, "", NULL, RNEAGEN_F32, 1, 2, 0, 1, 1},
 	{{32, 2, 0, MIRRORED}, "", NULL, RNEAGEN_F32, 0, 2, 0, 1, 1}, /* legs that leave nothing */
 	{{6, 9, 5, FOLLOWED}, "", NULL, RNEAGEN_F64, 0, 0, 0, 0, 1},
-	{{6, 10, 0, MIRRORED}, "want tau,vjp\n", "last first", RNEAGEN_F64, 0, 2, 0, 1, 1}, /* motion is made again from a joint's row on to the next */
+	/* motion is made again from a joint's row on to the next */
+	{{6, 10, 0, MIRRORED}, "want tau,vjp\n", "last first", RNEAGEN_F64, 0, 2, 0, 1, 1},
 };
 
 /* Of one side. Coordinates across are mirrored, and each third joint may turn the other way on the right. */
@@ -48,7 +50,8 @@ struct side {
 	int sign, turns;
 };
 
-static const struct side LEFT = {"left", 1, 1}, RIGHT = {"right", -1, -1}, STRAIGHT_RIGHT = {"right", -1, 1}, MIDDLE = {"back", 1, 1};
+static const struct side LEFT = {"left", 1, 1}, RIGHT = {"right", -1, -1}, STRAIGHT_RIGHT = {"right", -1, 1},
+			 MIDDLE = {"back", 1, 1};
 
 /* Links from number `first` on, the first of which hangs on another link. The last joint follows `driver`; NULL: none. */
 static void put_chain(struct text *t, const struct side *s, int first, int links, const char *parent, const char *driver)
@@ -59,9 +62,10 @@ static void put_chain(struct text *t, const struct side *s, int first, int links
 		char axis[32];
 
 		snprintf(axis, sizeof axis, axes[i % 3], i % 3 == 2 ? s->turns : 1);
-		text_printf(t, "<link name='%s_%d'><inertial><origin xyz='0.1 %g 0.05'/><mass value='%g'/><inertia ixx='0.02' iyy='0.03' izz='0.04' "
-			"ixy='%g' ixz='0.002' iyz='%g'/></inertial></link>\n", s->name, i, s->sign * 0.02, 1 + 0.1 * (i % 3) + 0.01 * s->sign,
-			s->sign * 0.001, s->sign * 0.003);
+		text_printf(t,
+			"<link name='%s_%d'><inertial><origin xyz='0.1 %g 0.05'/><mass value='%g'/><inertia ixx='0.02' iyy='0.03' izz='0.04' "
+			"ixy='%g' ixz='0.002' iyz='%g'/></inertial></link>\n",
+			s->name, i, s->sign * 0.02, 1 + 0.1 * (i % 3) + 0.01 * s->sign, s->sign * 0.001, s->sign * 0.003);
 		text_printf(t, "<joint name='%s_j%02d' type='revolute'><parent link='", s->name, i);
 		if (i > first)
 			text_printf(t, "%s_%d", s->name, i - 1);
@@ -137,13 +141,14 @@ static int count_loops(const char *source)
 	return count;
 }
 
-static void check(const struct subject *s, const struct target *t, enum rnea_backend backend, unsigned block, const struct launch *y)
+static void check(
+	const struct subject *s, const struct target *t, enum rnea_backend backend, unsigned block, const struct launch *y)
 {
 	struct launch x = launched_run(launched_open(t, backend, block), COUNT, SEED, s->floating);
 	double worst = launched_distance(&x, y, "mirrored");
 
-	printf("%d and %d links, %d fingers, blocks of %u: within %.1e, seed %d\n", s->shape.leg, s->shape.arm, s->shape.fingers, block, worst,
-		SEED);
+	printf("%d and %d links, %d fingers, blocks of %u: within %.1e, seed %d\n", s->shape.leg, s->shape.arm, s->shape.fingers,
+		block, worst, SEED);
 	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? 2e-5 : 1e-13);
 	launched_free(&x);
 }

@@ -141,7 +141,8 @@ START_TEST(test_without)
 	static const struct {
 		const char *variable, *value; /* of the pretended device */
 		int subject, warps;
-	} cases[WITHOUT_COUNT] = {{NULL, NULL, 0, 4}, {"RNEA_FAKE_CUDA_MAX_BLOCK", "128", 0, 16}, {"RNEA_FAKE_CUDA_SHARED", "65536", CHAIN, 8}};
+	} cases[WITHOUT_COUNT] = {
+		{NULL, NULL, 0, 4}, {"RNEA_FAKE_CUDA_MAX_BLOCK", "128", 0, 16}, {"RNEA_FAKE_CUDA_SHARED", "65536", CHAIN, 8}};
 	struct rnea_options o = {.backend = RNEA_BACKEND_CUDA, .compile = without, .compile_count = !_i};
 	struct rnea_robot *robot;
 	struct rnea_error e;

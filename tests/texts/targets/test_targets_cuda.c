@@ -174,8 +174,8 @@ static void generate(struct target *t, const char *path, struct rneagen_options 
 	free(urdf);
 }
 
-/* A text as it is asked for, by NVRTC and by nvcc if that is asked for, where they are; in the long form, and where it may not spill, by
-   one of them. */
+/* A text as it is asked for, by NVRTC and by nvcc if that is asked for, where they are; in the long form, and where it may not
+   spill, by one of them. */
 static void check_text(const char *path, struct rneagen_options *o, const char *robot, int no_spill, int by_nvcc)
 {
 	struct target t;
@@ -251,7 +251,8 @@ START_TEST(modes)
 }
 END_TEST
 
-/* A warp whose sines are made first calls none of the functions that make them, and the program of small batches alone has them not. */
+/* A warp whose sines are made first calls none of the functions that make them, and the program of small batches alone has them
+   not. */
 START_TEST(first_sines)
 {
 	struct rneagen_options o = rneagen_options_default();
