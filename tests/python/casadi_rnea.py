@@ -78,8 +78,9 @@ class Chain:
         f = m * (a + ca.cross(dw, c) + ca.cross(w, ca.cross(w, c)))
         return f, inertia @ dw + ca.cross(w, inertia @ w) + ca.cross(c, f)
 
-    def torques(self, q, qd, qdd):
-        up = ca.DM([0, 0, 9.81])
+    def torques(self, q, qd, qdd, gravity=(0, 0, -9.81), outside=None):
+        """`outside`: by link, force and moment at its origin in its axes."""
+        up, outside = -ca.vertcat(*ca.vertsplit(gravity) if isinstance(gravity, ca.SX) else gravity), outside or {}
         if self.floating:
             w, dw = qd[3:6], qdd[3:6]
             a = qdd[:3] + ca.cross(w, qd[:3]) + of_quaternion(q[3:7]).T @ up
@@ -106,7 +107,9 @@ class Chain:
                 w = w + axis * rate
             if slides:
                 a = a + axis * more + 2 * ca.cross(w, axis * rate)
-            state[child], forces[child] = (w, dw, a), self.wrench(child, w, dw, a)
+            f, n = self.wrench(child, w, dw, a)
+            pushed = outside.get(child, ca.DM.zeros(6))
+            state[child], forces[child] = (w, dw, a), (f - pushed[:3], n - pushed[3:])
             back.append((parent, child, R, p, axis, row, factor, turns, slides))
         tau = [ca.SX(0)] * self.nv
         for parent, child, R, p, axis, row, factor, turns, slides in reversed(back):
