@@ -51,8 +51,8 @@ def write(robot, path: str | os.PathLike, name: str | None = None, derivatives: 
 
     Raises ValueError for a robot that CasADi cannot take: of precision f32 or mixed, of convention "mujoco"; unless derivatives=0
     for outputs that have none, qdd_bound and products; unless derivatives=1 for what is free (mass.LINK, gravity, ...) where
-    second derivatives by two such numbers are not always zero, for texts have none. Those of torques are, but by offset.JOINT, and
-    by gravity beside masses."""
+    second derivatives by two such numbers are not always zero, for texts have none. Torques have none, but by offset.JOINT
+    and by gravity beside masses."""
     name = _name(robot, name)
     Path(path).write_text(_text(robot, name, derivatives, forward), encoding="utf-8")
     return name
