@@ -6,6 +6,7 @@
     H = robot.want("M", "bias")(q, qd)        # several outputs: a named tuple
     tau.sum().backward()                      # tensors of PyTorch have gradients: help(rneagen.torch)
     jax.grad(lambda q: robot(q, qd, qdd).sum())(q)  # of JAX too: help(rneagen.jax)
+    rneagen.casadi.function(robot)            # a function of CasADi, with Hessians: import rneagen.casadi
 
 SI units: m, kg, s, rad, N, N m. q has one entry for each joint that moves, depth-first, children by name; a floating
 base comes first.

@@ -207,6 +207,8 @@ static PyMethodDef methods[] = {
 	{"generate", generate, METH_VARARGS,
 		"generate(urdf, options): a dictionary of name, source, header, info, info_json, dot, warnings."},
 	{"open", open_text, METH_VARARGS, "open(text, options): a Kernel."},
+	{"compile", object_make, METH_VARARGS,
+		"compile(text, options): the bytes of a shared object, by the compiler and the cache of open."},
 	{"evaluate", evaluate, METH_VARARGS,
 		"evaluate(urdf, generate_options, options): a Kernel that compiles nothing."},
 	{"dlpack", dlpack, METH_O,

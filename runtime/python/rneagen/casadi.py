@@ -1,0 +1,112 @@
+"""CasADi: a robot as a function in C, with exact first and second derivatives.
+
+    f = rneagen.casadi.function(robot)                     # a casadi.Function: f(q, qd, qdd), or f(q=q, qd=qd, qdd=qdd)["tau"]
+    rneagen.casadi.write(robot, "iiwa14_casadi.c")         # the same as a C file, for acados and for programs in C
+
+Inputs and outputs are those of one sample, columns (n, 1) and matrices, by the names of robot.inputs and robot.outputs. Matrices
+are sparse, as the robot is. Nothing calls back into Python: functions may be mapped over threads.
+
+CasADi makes Jacobians by jac_NAME, gradients by adj1_NAME, and Hessians of weighted outputs, hessian(dot(lam, f(x)), x), by
+jac_adj1_NAME. Other derivatives of derivatives, jacobian(jacobian(f(x), x), x) for one, and third ones CasADi refuses:
+"Derivatives cannot be calculated". There are no finite differences.
+
+With a floating base, outputs are functions of the seven numbers of q with the quaternion divided by its length, and derivatives
+are by these numbers. They have no part along the quaternion. A quaternion of zeros makes results that are no numbers.
+"""
+from __future__ import annotations
+
+import atexit
+import os
+import re
+import shutil
+import tempfile
+import threading
+from pathlib import Path
+from typing import Any
+
+from . import _core
+from ._casadi_c import identifier
+from ._casadi_model import Model
+from ._casadi_text import File
+from ._errors import translated
+
+_lock = threading.Lock()
+_folder: list[str] = []  # of shared objects, which CasADi may load again as long as this program runs
+RESERVED = ("null", "jac", "hess")
+
+
+def text(robot, name: str | None = None, derivatives: int = 2, forward: bool = False) -> str:
+    """The C file; see write."""
+    return _text(robot, _name(robot, name), derivatives, forward)
+
+
+def write(robot, path: str | os.PathLike, name: str | None = None, derivatives: int = 2, forward: bool = False) -> str:
+    """Write a C file with the function `name`, unless given the robot's name, and its derivatives, in CasADi's C interface: NAME,
+    NAME_n_in, NAME_name_in, NAME_sparsity_in, NAME_work, ... It needs no header of CasADi's or ours: cc -O2 -fPIC -shared FILE.c
+    -o FILE.so -lm. Returns the name.
+
+    derivatives=2   the highest order: 1 leaves out Hessians, 0 Jacobians and gradients too
+    forward=False   also fwd1_NAME, a derivative along a direction; CasADi then makes Jacobians by it, one column or
+                    group of columns at a time, which takes longer than jac_NAME
+
+    Raises ValueError for a robot that CasADi cannot take: of precision f32 or mixed, of convention "mujoco"; unless derivatives=0
+    for outputs that have none, qdd_bound and products; unless derivatives=1 for what is free (mass.LINK, gravity, ...) where
+    second derivatives by two such numbers are not always zero, for texts have none. Torques have none, but by offset.JOINT
+    and by gravity beside masses."""
+    name = _name(robot, name)
+    Path(path).write_text(_text(robot, name, derivatives, forward), encoding="utf-8")
+    return name
+
+
+def function(robot, name: str | None = None, derivatives: int = 2, forward: bool = False, **options: Any):
+    """A casadi.Function of a robot of rneagen.load, by the file of `write`, compiled by the C compiler that the package takes
+    (RNEA_CC) for this processor, and kept in its cache (RNEA_CACHE). `options` are those of casadi.external.
+
+        f = rneagen.casadi.function(robot.want("tau", "M"), name="arm")
+        tau, M = f(q, qd, qdd)
+
+    An input that is left out is what CasADi takes for it, zeros, or the URDF's value where one number tells it (mass.LINK,
+    payload.LINK); gravity and inertia.LINK left out make results that are no numbers. Raises what write does, BackendError where
+    there is no C compiler, and ImportError where there is no CasADi."""
+    casadi = _casadi()
+    name = _name(robot, name)
+    cache = {k: robot._options[k] for k in ("cache",) if robot._options.get(k) is not None}
+    made = translated(_core.compile, _text(robot, name, derivatives, forward), {"file": f"{name}.c", **cache})
+    return casadi.external(name, _kept(name, made), options)
+
+
+def _casadi():
+    try:
+        import casadi
+    except ImportError as error:
+        raise ImportError(f"rneagen.casadi.function needs CasADi: pip install casadi ({error}); write() makes the C file without",
+                          name=error.name) from None
+    return casadi
+
+
+def _name(robot, name: str | None) -> str:
+    if name is None:
+        name = identifier(robot.name) or "robot"
+        return f"robot_{name}" if name[0].isdigit() or name in RESERVED else name
+    if not re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*_?", name, re.ASCII) or name in RESERVED:
+        raise ValueError(f"name: {name!r} is no name of a function of CasADi: letters, digits and single underscores, first a "
+                         "letter")
+    return name
+
+
+def _text(robot, name: str, derivatives: int, forward: bool) -> str:
+    if derivatives not in (0, 1, 2):
+        raise ValueError(f"derivatives takes 0, 1 or 2, not {derivatives!r}")
+    return str(File(Model(robot, derivatives), name, derivatives, forward))
+
+
+def _kept(name: str, data: bytes) -> str:
+    """A path of a new file with this shared object; it lives as long as the program."""
+    with _lock:
+        if not _folder:
+            _folder.append(tempfile.mkdtemp(prefix="rneagen-casadi-"))
+            atexit.register(shutil.rmtree, _folder[0], ignore_errors=True)
+    descriptor, path = tempfile.mkstemp(".so", f"{name}-", _folder[0])
+    with open(descriptor, "wb") as file:
+        file.write(data)
+    return path
