@@ -14,11 +14,10 @@ enum { LIMBS = 2 };
    1310 (183), 1569 (194), -; g1_29dof 1287 (139), 1253 (128), 1337 (137); jvrc1 1903 (224), 2119 (241), 2073 (261);
    g1_d_wheeled 2436 (173), 2499 (181), 2466 (201); romeo 898 (117), 884 (135), 853 (121). With all motion kept: atlas 1901
    (247), g1_29dof 2094 (242), jvrc1 3094 (330), romeo 1258 (167). H200, 4 M samples, each limb in threads of its own
-   (each_threads.c), in brackets operations of the code: atlas 830 (4679), 848, 853; g1_29dof 821 (4573), 797, 792; jvrc1 1945
-   (6055), 1428 (5598), 1659; g1_d_wheeled 1088 (5431), 1102, 1150; romeo 790, 777, 757. So code for which the instruction cache
-   has no room costs twice. */
+   (each_threads.c), the same: atlas 754, 726, 754; g1_29dof 736, 690 to 755, 726; jvrc1 1231, 1389, 1550; g1_d_wheeled 943,
+   964, 1097; romeo 656, 661, 628 to 646. */
 static const int LENGTHS[] = {0, 4, 3, 2};
-enum { ROOM = 110, CODE_ROOM = 5600 };
+enum { ROOM = 110 };
 static const double COST_BEYOND = 40;
 
 /* ---- which groups of limbs ---- */
@@ -240,23 +239,16 @@ static int make(struct trial *y, struct function *p, int joints, int *serves, st
 	return done;
 }
 
-static double beyond(double x, double room)
-{
-	return x > room ? x - room : 0;
-}
-
 /* What a length costs; less than 0 where it does not serve. Returns 0 when memory runs out. */
 static int cost_of(double *cost, struct trial *y, const struct function *of, int joints)
 {
 	struct function p = *of;
 	struct arena a;
 	int serves, done, most = 0;
-	double code;
 
 	arena_init(&a, y->x->options->allocator);
 	done = make(y, &p, joints, &serves, &a) && readings_alive(&most, &p.plan, &a);
-	code = plan_flops(plan_operations(&p.plan));
-	*cost = !done || !serves ? -1 : code + beyond(code, CODE_ROOM) + COST_BEYOND * beyond(most, ROOM);
+	*cost = !done || !serves ? -1 : plan_flops(plan_operations(&p.plan)) + (most > ROOM ? COST_BEYOND * (most - ROOM) : 0);
 	arena_free(&a);
 	return done;
 }
