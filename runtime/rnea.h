@@ -279,7 +279,8 @@ enum rnea_backend {
 	RNEA_BACKEND_EVALUATOR /* nothing is compiled: rnea_open_evaluator, and rnea_open_urdf, open it */
 };
 
-/* For rnea_options.block: the block size, of 64, 128 and 256, with the most threads resident on a multiprocessor. */
+/* For rnea_options.block: the block size, of 64, 128 and 256, with the most samples resident on a multiprocessor. Not for texts
+   with sample_threads, whose most_block is mostly 32. */
 #define RNEA_BLOCK_OCCUPANCY 0xffffffffu
 
 /* Zero-initialise for the defaults; strings need to live only as long as the call. */
@@ -287,7 +288,7 @@ struct rnea_options {
 	enum rnea_backend backend;
 	const char *file;    /* what messages call the text; NULL: its robot's name with ".cu", or the file's path */
 	int device;          /* CUDA ordinal, as CUDA_VISIBLE_DEVICES leaves them; default 0. HOST: not used */
-	unsigned block; /* threads per block, 1 to 1024, or RNEA_BLOCK_OCCUPANCY; 0: what the text says. Kernels of small and of
+	unsigned block; /* samples per block, 1 to 1024, or RNEA_BLOCK_OCCUPANCY; 0: what the text says. Kernels of small and of
 			   large batches have blocks of their own. HOST: not used */
 	unsigned threads;    /* HOST: how many one launch may use; CUDA: rnea_run, of which it takes 8 at most. 0: one for
 				each processor */

@@ -330,7 +330,7 @@ static void kernel_slots(const struct emission *e, const char *kernels, struct s
 	const struct slot more[] = {
 		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"FUNCTION", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)},
-		{"BLOCK_IS", emit_each_block(e) ? "samples of a block's slice of the batch; threads of a block for each limb" :
+		{"BLOCK_IS", emit_each_block(e) ? "samples of one slice of the batch; a block has RNEA_SAMPLE_THREADS threads for each" :
 			"threads in a block: the samples of one slice of the batch"}, {"THREADS", emit_each_threads(e)},
 		{"EACH", p->segments.count ? template_launch_segments_in : ""}, {"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"},
 		{"MIN_BLOCKS", emit_min_blocks(e)}, {"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)},

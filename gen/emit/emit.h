@@ -321,6 +321,7 @@ struct call {
 	const struct part *part;
 	int is_staged;       /* of a part: see emit_more */
 	int is_tiled;        /* inputs are in tiles */
+	int has_threads;     /* limbs of a sample have threads of their own, and blocks some without a sample */
 	const char *handed;
 };
 

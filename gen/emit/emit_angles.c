@@ -280,6 +280,18 @@ static const char *stride_text(const struct emission *e, const struct function *
 	return text_string(&t);
 }
 
+/* Where outputs take the places of angles that the other threads of a sample ask for. */
+static const char *meet_text(const struct emission *e, const struct call *c)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (c->has_threads && c->part->function.stretches->period)
+		text_printf(&t, "%sif (RNEA_SAMPLE_THREADS > 1)\n%s\t__syncthreads(); /* outputs take the places of angles */\n", c->indent,
+			c->indent);
+	return text_string(&t);
+}
+
 static const char *call_expanded(const struct emission *e, const struct function *p, const char *frame, const char *asked,
 	const struct call *c)
 {
@@ -287,7 +299,7 @@ static const char *call_expanded(const struct emission *e, const struct function
 		{"Q", c->part || c->is_tiled ? emit_q_at_sample(e) : c->q}, {"Q_STRIDE", c->part || c->is_tiled ? emit_stride(e) : c->stride},
 		{"TABLE", table_of(e, p)->algorithm->name},
 		{"STRIDE", stride_text(e, p, c)}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
-		{"ASKED", asked}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "")},
+		{"ASKED", asked}, {"MEET", meet_text(e, c)}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "")},
 		{"KNOWN", tables_text(e, p, "known, ")}};
 	struct text t;
 
@@ -309,6 +321,7 @@ const char *emit_call(const struct emission *e, const struct function *p, const 
 	if (c->is_optimistic)
 		return call_expanded(e, p, e->target->kernel->again, "", c);
 	text_init(&asked, e->arena);
+	text_put(&asked, c->has_threads ? "sample < samples && " : "");
 	text_printf(&asked, e->target->kernel ? "!%s%s%s_is_small(%s, %s%s%s)" : "RNEA_KNOWN(%s%s%s_is_small(%s, %s%s%s))",
 		e->options->name, is_own ? "_" : "", is_own ? p->algorithm->name : "", c->q,
 		c->q_stride ? c->q_stride : c->stride, has_gap ? ", " : "", has_gap ? emit_gap(e, p, c->is_staged) : "");

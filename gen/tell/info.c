@@ -178,6 +178,8 @@ void info_json(const struct info *x, struct text *out)
 	parts_put_json(e, out);
 	if (e->target->kernel)
 		text_printf(out, "  \"block\": %d,\n  \"stage_bytes\": %d,\n", emit_block_size(e), emit_stage_bytes(e));
+	if (emit_each_block(e))
+		text_printf(out, "  \"sample_threads\": %d,\n  \"most_block\": %d,\n", emit_loops(e)->limbs, emit_each_block(e));
 	if (emit_has_limbs(e))
 		put_limbs_json(e, "limbs", emit_limbs_of(e), out);
 	if (emit_start_limbs(e))

@@ -14,7 +14,7 @@ struct driver {
 	struct limbs limbs;  /* of the first function */
 	struct relay relay;  /* likewise */
 	struct alone alone;  /* likewise */
-	unsigned block;	     /* threads per block of every launch but those of limbs and of parts alone */
+	unsigned block;	     /* samples per block of every launch but those of limbs and of parts alone */
 	unsigned min_blocks; /* launch bound of the first function's kernel; 0: none */
 	int cached;
 	char compiler[640]; /* "NVRTC 13.0 (libnvrtc.so.13)"; "" if it was cached */

@@ -93,6 +93,14 @@ static cudaError_t cudaLaunchKernel(const void *kernel, dim3 grid, dim3 block, v
 	}                                                                                                              \
 	alignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];
 
+/* Of kernels whose threads wait for each other. */
+#define FAKE_ENTRY_WAITS(one)                                                                                          \
+	static void fake_entry(const void *kernel, void **arguments, unsigned grid, unsigned parts, unsigned block)    \
+	{                                                                                                              \
+		fake_run_threads((decltype(&one))kernel, arguments, grid, parts, block);                               \
+	}                                                                                                              \
+	alignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];
+
 /* Of kernels with the parameters of this one, and of others with those of a part. */
 #define FAKE_ENTRY_PARTS(one, part)                                                                                    \
 	static void fake_entry(const void *kernel, void **arguments, unsigned grid, unsigned parts, unsigned block)    \

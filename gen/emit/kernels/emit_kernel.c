@@ -81,7 +81,8 @@ static const char *kernel_call(const struct emission *e, const struct work *w, c
 {
 	int is_soa = e->options->layout == RNEAGEN_SOA;
 	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = s->here, .q = "q_here",
-		.stride = is_soa ? "stride" : "1", .part = w->part, .is_staged = 1, .handed = handed_text(e)};
+		.stride = is_soa ? "stride" : "1", .part = w->part, .is_staged = 1,
+		.has_threads = emit_each_block(e) > 0, .handed = handed_text(e)};
 
 	return w->is_staged ? emit_call(e, w->function, &here) : direct_call(e, w);
 }
@@ -146,7 +147,7 @@ static void put_work(const struct emission *e, const struct work *w, struct text
 		{"SAMPLE", has_threads ? ", sample = threadIdx.x%RNEA_BLOCK" : ""},
 		/* threads that wait for each other run without a sample too */
 		{"RUNS", has_threads ? "RNEA_SAMPLE_THREADS > 1 ? samples > 0 : sample < samples" : "threadIdx.x < samples"},
-		{"OWN", has_threads ? "(sample < samples ? sample : samples - 1)" : "threadIdx.x"},
+		{"OWN", has_threads ? "sample" : "threadIdx.x"},
 	};
 	const struct kernel_frames *f = e->target->kernel;
 
@@ -219,7 +220,9 @@ static void put_apart(const struct emission *e, const struct apart *x, struct te
 		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"BOUNDS", x->bounds},
 		{"DECLARATION", x->is_staged ? emit_slices_declaration(e) : ""}, {"COUNT", emit_int(e, x->count)},
 		{"CASES", text_string(&cases)}, {"THREADS", emit_each_threads(e)},
-		{"WRONG", wrong_text(e, x->count)}};
+		{"WRONG", wrong_text(e, x->count)},
+		{"TRAP", emit_each_block(e) ? "blocks have RNEA_BLOCK*RNEA_SAMPLE_THREADS threads, and a grid one row" :
+			"a launch of some parts would leave rows as they were"}};
 
 	template_expand(out, e->target->kernel->apart, slots, sizeof slots / sizeof *slots);
 }

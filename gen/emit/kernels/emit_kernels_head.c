@@ -43,11 +43,12 @@ static void put_loops(const struct emission *e, struct text *out)
 {
 	const char *name = emit_main(e)->algorithm->name;
 
-	text_printf(out, " * The %s kernel goes over limbs that are alike in loops, %d of them. Its last bits may not be those of the "
-		"same\n * function of target c.\n", name, emit_loops(e)->count);
 	if (emit_each_block(e))
-		text_printf(out, " * Up to RNEA_BLOCK=%d it has no loops: %d threads of a block share each sample, and each has a limb.\n",
-			emit_each_block(e), emit_loops(e)->limbs);
+		text_printf(out, " * In the %s kernel %d threads share a sample, one for each of the limbs that are alike; where RNEA_BLOCK"
+			"\n * is more than %d, it goes over these in loops instead. ", name, emit_loops(e)->limbs, emit_each_block(e));
+	else
+		text_printf(out, " * The %s kernel goes over limbs that are alike in loops, %d of them. ", name, emit_loops(e)->count);
+	text_put(out, "Its last bits may not be those of the same\n * function of target c.\n");
 }
 
 void emit_kernels_head(const struct emission *e, struct text *out)

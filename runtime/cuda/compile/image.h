@@ -26,7 +26,7 @@ struct image_request {
 
 struct image {
 	struct jit_image code;
-	unsigned block;	     /* threads per block it was compiled for; 0: what the text says */
+	unsigned block;	     /* samples per block it was compiled for; 0: what the text says */
 	unsigned min_blocks; /* the launch bound of the rnea kernel; 0: none */
 };
 

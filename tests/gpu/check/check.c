@@ -8,7 +8,7 @@
      --large N          samples for the time per sample
      --replays N        of a graph, for the median; 0: no times
      --chain N          launches in a graph for the latency
-     --block N          threads per block
+     --block N          samples per block
      --latency TEXT     of this text alone, in a context where no other has run: its latencies, a row at the end of
                         RESULTS.csv; no checks
      --cache FOLDER     empty: the time to open with a cache and without, for the texts that the manifest calls build */

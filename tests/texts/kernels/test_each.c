@@ -3,7 +3,9 @@
 #include "launched.h"
 #include "base/text.h"
 #include "support/exhaustive.h"
+#include "target/launch_library.h"
 #include "support/suite.h"
+#include <dlfcn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -183,6 +185,39 @@ START_TEST(test_values)
 }
 END_TEST
 
+/* NAME_rnea_launch, as nvcc builds it, of a text whose limbs have threads of their own. */
+START_TEST(test_launch)
+{
+	int (*launch)(void *q, void *qd, void *qdd, void *weights, void *tau, void *vjp, size_t count, void *stream);
+	struct rneagen_options o = rneagen_options_default();
+	const struct subject *s = &SUBJECTS[4];
+	unsigned *grid, *block;
+	struct launch x, y;
+	struct target t;
+	void *library;
+
+	o.layout = RNEAGEN_AOS;
+	generate(s, &o, &t);
+	library = launch_library(&t, "each_launch", "#define FAKE_WAITS 1\n#define RNEA_NO_LIMBS",
+		"FAKE_ENTRY_WAITS(mirrored_rnea_kernel)");
+	target_symbol(&t, library, "mirrored_rnea_launch", &launch);
+	target_symbol(&t, library, "fake_grid", &grid);
+	target_symbol(&t, library, "fake_block", &block);
+	x = launched_run(launched_open(&t, RNEA_BACKEND_CUDA, 0), COUNT, SEED, 0);
+	y = launched_run(launched_open(&t, RNEA_BACKEND_CUDA, 0), COUNT, SEED + 1, 0);
+	for (size_t k = 0; k < x.info->input_count; k++)
+		memcpy(y.arrays[k], x.arrays[k], COUNT * x.info->arguments[k].rows * sizeof(double));
+	ck_assert_int_eq(launch(y.arrays[0], y.arrays[1], y.arrays[2], y.arrays[3], y.arrays[4], y.arrays[5], COUNT, NULL), 0);
+	ck_assert_uint_eq(*block, 2 * x.info->block);
+	ck_assert_uint_eq(*grid, (COUNT + x.info->block - 1) / x.info->block);
+	ck_assert_double_lt(launched_distance(&x, &y, "mirrored"), 1e-13);
+	launched_free(&x);
+	launched_free(&y);
+	dlclose(library);
+	rneagen_result_free(&t.text);
+}
+END_TEST
+
 static void expect_none(const struct subject *s, const struct rneagen_options *o)
 {
 	struct target t;
@@ -232,6 +267,7 @@ int main(void)
 
 	launched_pretend();
 	suite_add(s, "values", test_values, sizeof SUBJECTS / sizeof *SUBJECTS, 300);
+	suite_add(s, "launch", test_launch, 1, 120);
 	suite_add(s, "none", test_none, 1, 120);
 	return suite_run(s);
 }
