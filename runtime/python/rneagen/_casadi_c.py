@@ -1,4 +1,4 @@
-"""C of CasADi's functions: what all of them share, and CasADi's interface of one."""
+"""C of CasADi's functions: what all of them share, and CasADi's interface of one. For @ the file has a prefix of its own."""
 from __future__ import annotations
 
 import re
@@ -16,35 +16,35 @@ HEAD = '''\
 #endif
 
 /* Zeros where CasADi gives no array. */
-static inline void NAME_take(double *to, const double *from, casadi_int count)
+static inline void @take(double *to, const double *from, casadi_int count)
 {
 	for (casadi_int k = 0; k < count; k++)
 		to[k] = from ? from[k] : 0;
 }
 
 /* To places in `to`, some of which are the same. */
-static inline void NAME_add(double *to, const double *from, const casadi_int *at, casadi_int count)
+static inline void @add(double *to, const double *from, const casadi_int *at, casadi_int count)
 {
 	for (casadi_int k = 0; from && k < count; k++)
 		to[at[k]] += from[k];
 }
 
 /* From places in `from`; -1: zero. */
-static inline void NAME_put(double *to, const double *from, const casadi_int *at, casadi_int count)
+static inline void @put(double *to, const double *from, const casadi_int *at, casadi_int count)
 {
 	for (casadi_int k = 0; to && k < count; k++)
 		to[k] = at[k] < 0 ? 0 : from[at[k]];
 }
 
 /* Column `column` of `columns`. */
-static inline void NAME_column(double *to, const double *from, casadi_int rows, casadi_int columns, casadi_int column)
+static inline void @column(double *to, const double *from, casadi_int rows, casadi_int columns, casadi_int column)
 {
 	for (casadi_int i = 0; i < rows; i++)
 		to[i*columns + column] = from[i];
 }
 
 /* All columns. */
-static inline void NAME_spread(double *to, const double *from, casadi_int rows, casadi_int columns)
+static inline void @spread(double *to, const double *from, casadi_int rows, casadi_int columns)
 {
 	for (casadi_int i = 0; i < rows*columns; i++)
 		to[i] = from[i/columns];
@@ -54,20 +54,20 @@ static inline void NAME_spread(double *to, const double *from, casadi_int rows, 
 FLOATING = '''
 /* A floating joint: q is a position p and a quaternion u = (v, s) of any length, a twist is (a, b). It moves p by
    R(u/|u|) a, u by u (b, 0)/2. */
-static inline double NAME_length2(const double *q)
+static inline double @length2(const double *q)
 {
 	return q[3]*q[3] + q[4]*q[4] + q[5]*q[5] + q[6]*q[6];
 }
 
-static inline void NAME_unit(double *to, const double *q)
+static inline void @unit(double *to, const double *q)
 {
-	const double length = sqrt(NAME_length2(q));
+	const double length = sqrt(@length2(q));
 
 	for (int k = 0; k < 7; k++)
 		to[k] = k < 3 ? q[k] : q[k]/length;
 }
 
-static inline void NAME_cross(double *to, const double *a, const double *b)
+static inline void @cross(double *to, const double *a, const double *b)
 {
 	to[0] = a[1]*b[2] - a[2]*b[1];
 	to[1] = a[2]*b[0] - a[0]*b[2];
@@ -75,54 +75,54 @@ static inline void NAME_cross(double *to, const double *a, const double *b)
 }
 
 /* R a, or with sign -1 R' a */
-static inline void NAME_turn(double *to, const double *q, const double *a, double sign)
+static inline void @turn(double *to, const double *q, const double *a, double sign)
 {
-	const double f = 2/NAME_length2(q), s = sign*q[6];
+	const double f = 2/@length2(q), s = sign*q[6];
 	double across[3], again[3];
 
-	NAME_cross(across, q + 3, a);
-	NAME_cross(again, q + 3, across);
+	@cross(across, q + 3, a);
+	@cross(again, q + 3, across);
 	for (int k = 0; k < 3; k++)
 		to[k] = a[k] + f*(s*across[k] + again[k]);
 }
 
 /* The transposed inverse of what a turn b makes of a quaternion u: f (s b + v x b, -v.b), f = 2/|u|^2 */
-static inline void NAME_quaternion(double *to, const double *u, const double *b, double f)
+static inline void @quaternion(double *to, const double *u, const double *b, double f)
 {
-	NAME_cross(to, u, b);
+	@cross(to, u, b);
 	for (int k = 0; k < 3; k++)
 		to[k] = f*(u[3]*b[k] + to[k]);
 	to[3] = -f*(u[0]*b[0] + u[1]*b[1] + u[2]*b[2]);
 }
 
 /* The twist that numbers d of q make. */
-static inline void NAME_to_twist(double *t, const double *q, const double *d)
+static inline void @to_twist(double *t, const double *q, const double *d)
 {
-	const double f = 2/NAME_length2(q), *v = q + 3, *e = d + 3;
+	const double f = 2/@length2(q), *v = q + 3, *e = d + 3;
 
-	NAME_turn(t, q, d, -1);
-	NAME_cross(t + 3, v, e);
+	@turn(t, q, d, -1);
+	@cross(t + 3, v, e);
 	for (int k = 0; k < 3; k++)
 		t[3 + k] = f*(v[3]*e[k] - e[3]*v[k] - t[3 + k]);
 }
 
 /* A gradient by the numbers of q, from that by a twist. */
-static inline void NAME_from_twist(double *d, const double *q, const double *g)
+static inline void @from_twist(double *d, const double *q, const double *g)
 {
-	NAME_turn(d, q, g, 1);
-	NAME_quaternion(d + 3, q + 3, g + 3, 2/NAME_length2(q));
+	@turn(d, q, g, 1);
+	@quaternion(d + 3, q + 3, g + 3, 2/@length2(q));
 }
 
 /* What that gradient varies by with the same g, along numbers d of q and their twist t: added to `to`. */
-static inline void NAME_add_turn(double *to, const double *q, const double *d, const double *t, const double *g)
+static inline void @add_turn(double *to, const double *q, const double *d, const double *t, const double *g)
 {
-	const double f = 2/NAME_length2(q), along = q[3]*d[3] + q[4]*d[4] + q[5]*d[5] + q[6]*d[6];
+	const double f = 2/@length2(q), along = q[3]*d[3] + q[4]*d[4] + q[5]*d[5] + q[6]*d[6];
 	double across[3], turned[3], e[4], u[4];
 
-	NAME_cross(across, t + 3, g);
-	NAME_turn(turned, q, across, 1);
-	NAME_quaternion(e, d + 3, g + 3, f);
-	NAME_quaternion(u, q + 3, g + 3, f*f*along);
+	@cross(across, t + 3, g);
+	@turn(turned, q, across, 1);
+	@quaternion(e, d + 3, g + 3, f);
+	@quaternion(u, q + 3, g + 3, f*f*along);
 	for (int k = 0; k < 7; k++)
 		to[k] += k < 3 ? turned[k] : e[k - 3] - u[k - 3];
 }
