@@ -5,6 +5,14 @@ import re
 import textwrap
 from typing import Any, Callable, Iterable, NamedTuple, Sequence
 
+RESERVED = """null jac hess casadi_real casadi_int main auto break case char const continue default do double else enum
+extern float for goto if inline int long register restrict return short signed sizeof static struct switch typedef union
+unsigned void volatile while INFINITY NAN fpclassify gamma isfinite isgreater isgreaterequal isinf isless islessequal
+islessgreater isnan isnormal isunordered j0 j1 jn signbit signgam y0 y1 yn""".split()
+MATH = """acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs fdim floor fma fmax
+fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10 log1p log2 logb lrint lround modf nan nearbyint nextafter
+nexttoward pow remainder remquo rint round scalbln scalbn sin sinh sqrt tan tanh tgamma trunc""".split()
+
 HEAD = '''\
 #include <math.h>
 
@@ -150,6 +158,11 @@ def by_columns(places: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
 def identifier(name: str) -> str:
     """As CasADi wants it: no double underscores, and none at the ends."""
     return re.sub("__+", "_", re.sub(r"\W", "_", name, flags=re.ASCII)).strip("_")
+
+
+def is_taken(name: str) -> bool:
+    """By C, its <math.h>, where functions of float and long double end in f and l, or CasADi."""
+    return name in RESERVED or name in MATH or (name[-1:] in ("f", "l") and name[:-1] in MATH)
 
 
 def wrapped(values: Iterable[Any], indent: str = "\t") -> str:

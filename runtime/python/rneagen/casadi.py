@@ -25,14 +25,13 @@ from pathlib import Path
 from typing import Any
 
 from . import _core
-from ._casadi_c import identifier
+from ._casadi_c import identifier, is_taken
 from ._casadi_model import Model
 from ._casadi_text import File
 from ._errors import translated
 
 _lock = threading.Lock()
 _folder: list[str] = []  # of shared objects, which CasADi may load again as long as this program runs
-RESERVED = ("null", "jac", "hess")
 
 
 def text(robot, name: str | None = None, derivatives: int = 2, forward: bool = False) -> str:
@@ -87,10 +86,10 @@ def _casadi():
 def _name(robot, name: str | None) -> str:
     if name is None:
         name = identifier(robot.name) or "robot"
-        return f"robot_{name}" if name[0].isdigit() or name in RESERVED else name
-    if not re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*_?", name, re.ASCII) or name in RESERVED:
+        return f"robot_{name}" if name[0].isdigit() or is_taken(name) else name
+    if not re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*_?", name, re.ASCII) or is_taken(name):
         raise ValueError(f"name: {name!r} is no name of a function of CasADi: letters, digits and single underscores, first a "
-                         "letter")
+                         "letter, and no word of C, of its <math.h> or of CasADi")
     return name
 
 
