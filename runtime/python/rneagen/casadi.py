@@ -18,6 +18,7 @@ from __future__ import annotations
 import atexit
 import os
 import re
+import secrets
 import shutil
 import tempfile
 import threading
@@ -42,7 +43,7 @@ def text(robot, name: str | None = None, derivatives: int = 2, forward: bool = F
 def write(robot, path: str | os.PathLike, name: str | None = None, derivatives: int = 2, forward: bool = False) -> str:
     """Write a C file with the function `name`, unless given the robot's name, and its derivatives, in CasADi's C interface: NAME,
     NAME_n_in, NAME_name_in, NAME_sparsity_in, NAME_work, ... It needs no header of CasADi's or ours: cc -O2 -fPIC -shared FILE.c
-    -o FILE.so -lm. Returns the name.
+    -o FILE.so -lm. Returns the name. The file appears whole or not at all.
 
     derivatives=2   the highest order: 1 leaves out Hessians, 0 Jacobians and gradients too
     forward=False   also fwd1_NAME, a derivative along a direction; CasADi then makes Jacobians by it, one column or
@@ -53,7 +54,7 @@ def write(robot, path: str | os.PathLike, name: str | None = None, derivatives: 
     second derivatives by two such numbers are not always zero, for texts have none. Torques have none, but by offset.JOINT
     and by gravity beside masses."""
     name = _name(robot, name)
-    Path(path).write_text(_text(robot, name, derivatives, forward), encoding="utf-8")
+    _put(path, _text(robot, name, derivatives, forward))
     return name
 
 
@@ -99,13 +100,32 @@ def _text(robot, name: str, derivatives: int, forward: bool) -> str:
     return str(File(Model(robot, derivatives), name, derivatives, forward))
 
 
+def _put(path: str | os.PathLike, text: str) -> None:
+    """The whole file or nothing: what is there stays till the text is written. Devices and pipes are written in place."""
+    try:
+        if os.fspath(path).startswith("/dev/") or (os.path.exists(path) and not os.path.isfile(path)):
+            Path(path).write_text(text, encoding="utf-8")
+            return
+        target = Path(os.path.realpath(path))
+        part = target.with_name(f".{secrets.token_hex(8)}.part")
+        try:
+            with open(part, "x", encoding="utf-8") as file:
+                file.write(text)
+            os.replace(part, target)
+        except BaseException:
+            part.unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, os.fspath(path)) from None
+
+
 def _kept(name: str, data: bytes) -> str:
     """A path of a new file with this shared object; it lives as long as the program."""
     with _lock:
         if not _folder:
             _folder.append(tempfile.mkdtemp(prefix="rneagen-casadi-"))
             atexit.register(shutil.rmtree, _folder[0], ignore_errors=True)
-    descriptor, path = tempfile.mkstemp(".so", f"{name}-", _folder[0])
+    descriptor, path = tempfile.mkstemp(".so", f"{name[:100]}-", _folder[0])
     with open(descriptor, "wb") as file:
         file.write(data)
     return path
