@@ -119,12 +119,18 @@ def _put(path: str | os.PathLike, text: str) -> None:
         raise OSError(error.errno, error.strerror, os.fspath(path)) from None
 
 
+def _remove(folder: str, owner: int) -> None:
+    """Unless this is a fork of the program that made it."""
+    if os.getpid() == owner:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
 def _kept(name: str, data: bytes) -> str:
     """A path of a new file with this shared object; it lives as long as the program."""
     with _lock:
         if not _folder:
             _folder.append(tempfile.mkdtemp(prefix="rneagen-casadi-"))
-            atexit.register(shutil.rmtree, _folder[0], ignore_errors=True)
+            atexit.register(_remove, _folder[0], os.getpid())
     descriptor, path = tempfile.mkstemp(".so", f"{name[:100]}-", _folder[0])
     with open(descriptor, "wb") as file:
         file.write(data)
