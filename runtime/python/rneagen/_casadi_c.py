@@ -22,7 +22,9 @@ HEAD = '''\
 #ifndef casadi_int
 #define casadi_int long long int
 #endif
+'''
 
+SHARED = '''
 /* Zeros where CasADi gives no array. */
 static inline void @take(double *to, const double *from, casadi_int count)
 {
@@ -151,6 +153,16 @@ def entries(array: Signature) -> Sequence[tuple[int, int]]:
     return [(i, j) for j in range(columns) for i in range(lines)] if array.pattern is None else array.pattern
 
 
+def called(functions: str, by: str) -> str:
+    """Those that `by`, or one of these, calls."""
+    found = ""
+    for function in reversed(re.findall(r".*?\n}\n", functions, re.S)):
+        name = re.search(r"@\w+\(", function)
+        if name and name[0] in by + found:
+            found = function + found
+    return found
+
+
 def by_columns(places: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
     return sorted(places, key=lambda at: at[::-1])
 
@@ -175,12 +187,12 @@ def interface(name: str, inputs: Sequence[Signature], outputs: Sequence[Signatur
               table: Callable[[Iterable[int]], str]) -> str:
     """A function by its statements, and what CasADi asks of it; `size` of w. `table` gives names of tables."""
     def names(arrays: Sequence[Signature]) -> str:
-        return wrapped((f'"{a.name}"' for a in arrays), "\t\t")
+        return wrapped((f'"{a.name}"' for a in arrays), "\t\t") or "\t\t0"
 
     def patterns(arrays: Sequence[Signature]) -> str:
-        return wrapped((table(compressed(a)) for a in arrays), "\t\t")
+        return wrapped((table(compressed(a)) for a in arrays), "\t\t") or "\t\t0"
 
-    defaults = wrapped((a.default for a in inputs), "\t\t")
+    defaults = wrapped((a.default for a in inputs), "\t\t") or "\t\t0"
     body = "\n".join("\t" + line for line in statements)
     return f'''
 /*
@@ -209,7 +221,7 @@ casadi_real {name}_default_in(casadi_int i)
 	static const double values[] = {{
 {defaults}}};
 
-	return i >= 0 && i < {len(inputs)} ? values[i] : 0;
+	return i >= 0 && i < {max(1, len(inputs))} ? values[i] : 0;
 }}
 
 const char *{name}_name_in(casadi_int i)
@@ -217,7 +229,7 @@ const char *{name}_name_in(casadi_int i)
 	static const char *const names[] = {{
 {names(inputs)}}};
 
-	return i >= 0 && i < {len(inputs)} ? names[i] : 0;
+	return i >= 0 && i < {max(1, len(inputs))} ? names[i] : 0;
 }}
 
 const char *{name}_name_out(casadi_int i)
@@ -225,7 +237,7 @@ const char *{name}_name_out(casadi_int i)
 	static const char *const names[] = {{
 {names(outputs)}}};
 
-	return i >= 0 && i < {len(outputs)} ? names[i] : 0;
+	return i >= 0 && i < {max(1, len(outputs))} ? names[i] : 0;
 }}
 
 const casadi_int *{name}_sparsity_in(casadi_int i)
@@ -233,7 +245,7 @@ const casadi_int *{name}_sparsity_in(casadi_int i)
 	static const casadi_int *const patterns[] = {{
 {patterns(inputs)}}};
 
-	return i >= 0 && i < {len(inputs)} ? patterns[i] : 0;
+	return i >= 0 && i < {max(1, len(inputs))} ? patterns[i] : 0;
 }}
 
 const casadi_int *{name}_sparsity_out(casadi_int i)
@@ -241,7 +253,7 @@ const casadi_int *{name}_sparsity_out(casadi_int i)
 	static const casadi_int *const patterns[] = {{
 {patterns(outputs)}}};
 
-	return i >= 0 && i < {len(outputs)} ? patterns[i] : 0;
+	return i >= 0 && i < {max(1, len(outputs))} ? patterns[i] : 0;
 }}
 
 int {name}_work(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w)

@@ -10,7 +10,7 @@ import textwrap
 from typing import Any, Iterable, Sequence
 
 from . import _core
-from ._casadi_c import FLOATING, HEAD, Signature, by_columns, entries, identifier, interface, wrapped
+from ._casadi_c import FLOATING, HEAD, SHARED, Signature, by_columns, called, entries, identifier, interface, wrapped
 from ._casadi_model import Model, Plan, shape, stored
 from ._errors import RobotError, translated
 
@@ -370,10 +370,13 @@ static inline void @to_numbers(double *d, const double *x, const double *g, int 
     # ---- the whole ----
 
     def __str__(self) -> str:
-        moves = self.moves()  # has a table too
-        tables = [f"static const casadi_int {name}[] = {{\n{wrapped(key)}}};\n" for key, name in self.tables.items()]
-        pieces = [HEAD, FLOATING if self.model.floating else "", "\n", *tables, moves, *self.functions]
-        mine = "".join(pieces).replace("@", f"{self.name}_casadi_")
+        functions = "".join(self.functions)
+        moves = called(self.moves(), functions)  # has a table too
+        shared = called(SHARED + (FLOATING if self.model.floating else ""), moves + functions)
+        known = set(re.findall(r"\w+", moves + functions))
+        tables = [f"static const casadi_int {name}[] = {{\n{wrapped(key)}}};\n" for key, name in self.tables.items()
+                  if name in known]
+        mine = "".join([HEAD, shared, "\n", *tables, moves, functions]).replace("@", f"{self.name}_casadi_")
         texts = "\n".join(text.source for text in self.texts.values())
         return f'{self.head()}\n{texts}\n/* ---- CasADi\'s functions ---- */\n\n{mine}'
 
