@@ -114,7 +114,7 @@ class File:
             found[a.word] = at
             if self.model.is_position(a) and self.model.floating:
                 unit = found[a.word] = room.take(a.rows)
-                lines.append(f"@take(w + {unit}, w + {at}, {a.rows});")
+                lines += [f"for (int k = 0; k < {a.rows}; k++)", f"\tw[{unit} + k] = w[{at} + k];"]
                 lines += [f"@unit(w + {unit + j['iq']}, w + {at + j['iq']});" for j in self.model.floating]
             at += a.rows
         return lines, begin, found
