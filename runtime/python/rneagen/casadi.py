@@ -49,10 +49,10 @@ def write(robot, path: str | os.PathLike, name: str | None = None, derivatives: 
     forward=False   also fwd1_NAME, a derivative along a direction; CasADi then makes Jacobians by it, one column or
                     group of columns at a time, which takes longer than jac_NAME
 
-    Raises ValueError for a robot that CasADi cannot take: of precision f32 or mixed, of convention "mujoco"; unless derivatives=0
-    for outputs that have none, qdd_bound and products; unless derivatives=1 for what is free (mass.LINK, gravity, ...) where
-    second derivatives by two such numbers are not always zero, for texts have none. Torques have none, but by offset.JOINT
-    and by gravity beside masses."""
+    Raises ValueError for a robot that CasADi cannot take: of precision f32 or mixed, a floating base of convention "mujoco";
+    unless derivatives=0 for outputs that have none, qdd_bound and products; unless derivatives=1 for what is free (mass.LINK,
+    gravity, ...) where second derivatives by two such numbers are not always zero, for texts have none. Torques have none,
+    but by offset.JOINT and by gravity beside masses."""
     name = _name(robot, name)
     _put(path, _text(robot, name, derivatives, forward))
     return name
@@ -97,6 +97,8 @@ def _name(robot, name: str | None) -> str:
 def _text(robot, name: str, derivatives: int, forward: bool) -> str:
     if derivatives not in (0, 1, 2):
         raise ValueError(f"derivatives takes 0, 1 or 2, not {derivatives!r}")
+    if forward and not derivatives:
+        raise ValueError("forward=True is a first derivative: take it with derivatives=1 or 2")
     return str(File(Model(robot, derivatives), name, derivatives, forward))
 
 
