@@ -32,7 +32,7 @@ from ._casadi_text import File
 from ._errors import translated
 
 _lock = threading.Lock()
-_folder: list[str] = []  # of shared objects, which CasADi may load again as long as this program runs
+_folders: dict[int, str] = {}  # of shared objects, which CasADi may load again as long as this program runs; by process
 
 
 def text(robot, name: str | None = None, derivatives: int = 2, forward: bool = False) -> str:
@@ -129,11 +129,12 @@ def _remove(folder: str, owner: int) -> None:
 
 def _kept(name: str, data: bytes) -> str:
     """A path of a new file with this shared object; it lives as long as the program."""
+    owner = os.getpid()
     with _lock:
-        if not _folder:
-            _folder.append(tempfile.mkdtemp(prefix="rneagen-casadi-"))
-            atexit.register(_remove, _folder[0], os.getpid())
-    descriptor, path = tempfile.mkstemp(".so", f"{name[:100]}-", _folder[0])
+        if owner not in _folders:
+            _folders[owner] = tempfile.mkdtemp(prefix="rneagen-casadi-")
+            atexit.register(_remove, _folders[owner], owner)
+    descriptor, path = tempfile.mkstemp(".so", f"{name[:100]}-", _folders[owner])
     with open(descriptor, "wb") as file:
         file.write(data)
     return path
