@@ -1,9 +1,17 @@
-"""C of CasADi's functions: what all of them share, and CasADi's interface of one."""
+"""C of CasADi's functions: what all of them share, and CasADi's interface of one. For @ the file has a prefix of its own."""
 from __future__ import annotations
 
 import re
 import textwrap
 from typing import Any, Callable, Iterable, NamedTuple, Sequence
+
+RESERVED = """null jac hess casadi_real casadi_int main auto break case char const continue default do double else enum
+extern float for goto if inline int long register restrict return short signed sizeof static struct switch typedef union
+unsigned void volatile while INFINITY NAN fpclassify gamma isfinite isgreater isgreaterequal isinf isless islessequal
+islessgreater isnan isnormal isunordered j0 j1 jn signbit signgam y0 y1 yn""".split()
+MATH = """acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs fdim floor fma fmax
+fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10 log1p log2 logb lrint lround modf nan nearbyint nextafter
+nexttoward pow remainder remquo rint round scalbln scalbn sin sinh sqrt tan tanh tgamma trunc""".split()
 
 HEAD = '''\
 #include <math.h>
@@ -14,37 +22,39 @@ HEAD = '''\
 #ifndef casadi_int
 #define casadi_int long long int
 #endif
+'''
 
+SHARED = '''
 /* Zeros where CasADi gives no array. */
-static inline void NAME_take(double *to, const double *from, casadi_int count)
+static inline void @take(double *to, const double *from, casadi_int count)
 {
 	for (casadi_int k = 0; k < count; k++)
 		to[k] = from ? from[k] : 0;
 }
 
 /* To places in `to`, some of which are the same. */
-static inline void NAME_add(double *to, const double *from, const casadi_int *at, casadi_int count)
+static inline void @add(double *to, const double *from, const casadi_int *at, casadi_int count)
 {
 	for (casadi_int k = 0; from && k < count; k++)
 		to[at[k]] += from[k];
 }
 
 /* From places in `from`; -1: zero. */
-static inline void NAME_put(double *to, const double *from, const casadi_int *at, casadi_int count)
+static inline void @put(double *to, const double *from, const casadi_int *at, casadi_int count)
 {
 	for (casadi_int k = 0; to && k < count; k++)
 		to[k] = at[k] < 0 ? 0 : from[at[k]];
 }
 
 /* Column `column` of `columns`. */
-static inline void NAME_column(double *to, const double *from, casadi_int rows, casadi_int columns, casadi_int column)
+static inline void @column(double *to, const double *from, casadi_int rows, casadi_int columns, casadi_int column)
 {
 	for (casadi_int i = 0; i < rows; i++)
 		to[i*columns + column] = from[i];
 }
 
 /* All columns. */
-static inline void NAME_spread(double *to, const double *from, casadi_int rows, casadi_int columns)
+static inline void @spread(double *to, const double *from, casadi_int rows, casadi_int columns)
 {
 	for (casadi_int i = 0; i < rows*columns; i++)
 		to[i] = from[i/columns];
@@ -54,20 +64,20 @@ static inline void NAME_spread(double *to, const double *from, casadi_int rows, 
 FLOATING = '''
 /* A floating joint: q is a position p and a quaternion u = (v, s) of any length, a twist is (a, b). It moves p by
    R(u/|u|) a, u by u (b, 0)/2. */
-static inline double NAME_length2(const double *q)
+static inline double @length2(const double *q)
 {
 	return q[3]*q[3] + q[4]*q[4] + q[5]*q[5] + q[6]*q[6];
 }
 
-static inline void NAME_unit(double *to, const double *q)
+static inline void @unit(double *to, const double *q)
 {
-	const double length = sqrt(NAME_length2(q));
+	const double length = sqrt(@length2(q));
 
 	for (int k = 0; k < 7; k++)
 		to[k] = k < 3 ? q[k] : q[k]/length;
 }
 
-static inline void NAME_cross(double *to, const double *a, const double *b)
+static inline void @cross(double *to, const double *a, const double *b)
 {
 	to[0] = a[1]*b[2] - a[2]*b[1];
 	to[1] = a[2]*b[0] - a[0]*b[2];
@@ -75,54 +85,54 @@ static inline void NAME_cross(double *to, const double *a, const double *b)
 }
 
 /* R a, or with sign -1 R' a */
-static inline void NAME_turn(double *to, const double *q, const double *a, double sign)
+static inline void @turn(double *to, const double *q, const double *a, double sign)
 {
-	const double f = 2/NAME_length2(q), s = sign*q[6];
+	const double f = 2/@length2(q), s = sign*q[6];
 	double across[3], again[3];
 
-	NAME_cross(across, q + 3, a);
-	NAME_cross(again, q + 3, across);
+	@cross(across, q + 3, a);
+	@cross(again, q + 3, across);
 	for (int k = 0; k < 3; k++)
 		to[k] = a[k] + f*(s*across[k] + again[k]);
 }
 
 /* The transposed inverse of what a turn b makes of a quaternion u: f (s b + v x b, -v.b), f = 2/|u|^2 */
-static inline void NAME_quaternion(double *to, const double *u, const double *b, double f)
+static inline void @quaternion(double *to, const double *u, const double *b, double f)
 {
-	NAME_cross(to, u, b);
+	@cross(to, u, b);
 	for (int k = 0; k < 3; k++)
 		to[k] = f*(u[3]*b[k] + to[k]);
 	to[3] = -f*(u[0]*b[0] + u[1]*b[1] + u[2]*b[2]);
 }
 
 /* The twist that numbers d of q make. */
-static inline void NAME_to_twist(double *t, const double *q, const double *d)
+static inline void @to_twist(double *t, const double *q, const double *d)
 {
-	const double f = 2/NAME_length2(q), *v = q + 3, *e = d + 3;
+	const double f = 2/@length2(q), *v = q + 3, *e = d + 3;
 
-	NAME_turn(t, q, d, -1);
-	NAME_cross(t + 3, v, e);
+	@turn(t, q, d, -1);
+	@cross(t + 3, v, e);
 	for (int k = 0; k < 3; k++)
 		t[3 + k] = f*(v[3]*e[k] - e[3]*v[k] - t[3 + k]);
 }
 
 /* A gradient by the numbers of q, from that by a twist. */
-static inline void NAME_from_twist(double *d, const double *q, const double *g)
+static inline void @from_twist(double *d, const double *q, const double *g)
 {
-	NAME_turn(d, q, g, 1);
-	NAME_quaternion(d + 3, q + 3, g + 3, 2/NAME_length2(q));
+	@turn(d, q, g, 1);
+	@quaternion(d + 3, q + 3, g + 3, 2/@length2(q));
 }
 
 /* What that gradient varies by with the same g, along numbers d of q and their twist t: added to `to`. */
-static inline void NAME_add_turn(double *to, const double *q, const double *d, const double *t, const double *g)
+static inline void @add_turn(double *to, const double *q, const double *d, const double *t, const double *g)
 {
-	const double f = 2/NAME_length2(q), along = q[3]*d[3] + q[4]*d[4] + q[5]*d[5] + q[6]*d[6];
+	const double f = 2/@length2(q), along = q[3]*d[3] + q[4]*d[4] + q[5]*d[5] + q[6]*d[6];
 	double across[3], turned[3], e[4], u[4];
 
-	NAME_cross(across, t + 3, g);
-	NAME_turn(turned, q, across, 1);
-	NAME_quaternion(e, d + 3, g + 3, f);
-	NAME_quaternion(u, q + 3, g + 3, f*f*along);
+	@cross(across, t + 3, g);
+	@turn(turned, q, across, 1);
+	@quaternion(e, d + 3, g + 3, f);
+	@quaternion(u, q + 3, g + 3, f*f*along);
 	for (int k = 0; k < 7; k++)
 		to[k] += k < 3 ? turned[k] : e[k - 3] - u[k - 3];
 }
@@ -143,6 +153,16 @@ def entries(array: Signature) -> Sequence[tuple[int, int]]:
     return [(i, j) for j in range(columns) for i in range(lines)] if array.pattern is None else array.pattern
 
 
+def called(functions: str, by: str) -> str:
+    """Those that `by`, or one of these, calls."""
+    found = ""
+    for function in reversed(re.findall(r".*?\n}\n", functions, re.S)):
+        name = re.search(r"@\w+\(", function)
+        if name and name[0] in by + found:
+            found = function + found
+    return found
+
+
 def by_columns(places: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
     return sorted(places, key=lambda at: at[::-1])
 
@@ -150,6 +170,11 @@ def by_columns(places: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
 def identifier(name: str) -> str:
     """As CasADi wants it: no double underscores, and none at the ends."""
     return re.sub("__+", "_", re.sub(r"\W", "_", name, flags=re.ASCII)).strip("_")
+
+
+def is_taken(name: str) -> bool:
+    """By C, its <math.h>, where functions of float and long double end in f and l, or CasADi."""
+    return name in RESERVED or name in MATH or (name[-1:] in ("f", "l") and name[:-1] in MATH)
 
 
 def wrapped(values: Iterable[Any], indent: str = "\t") -> str:
@@ -162,12 +187,12 @@ def interface(name: str, inputs: Sequence[Signature], outputs: Sequence[Signatur
               table: Callable[[Iterable[int]], str]) -> str:
     """A function by its statements, and what CasADi asks of it; `size` of w. `table` gives names of tables."""
     def names(arrays: Sequence[Signature]) -> str:
-        return wrapped((f'"{a.name}"' for a in arrays), "\t\t")
+        return wrapped((f'"{a.name}"' for a in arrays), "\t\t") or "\t\t0"
 
     def patterns(arrays: Sequence[Signature]) -> str:
-        return wrapped((table(compressed(a)) for a in arrays), "\t\t")
+        return wrapped((table(compressed(a)) for a in arrays), "\t\t") or "\t\t0"
 
-    defaults = wrapped((a.default for a in inputs), "\t\t")
+    defaults = wrapped((a.default for a in inputs), "\t\t") or "\t\t0"
     body = "\n".join("\t" + line for line in statements)
     return f'''
 /*
@@ -196,7 +221,7 @@ casadi_real {name}_default_in(casadi_int i)
 	static const double values[] = {{
 {defaults}}};
 
-	return i >= 0 && i < {len(inputs)} ? values[i] : 0;
+	return i >= 0 && i < {max(1, len(inputs))} ? values[i] : 0;
 }}
 
 const char *{name}_name_in(casadi_int i)
@@ -204,7 +229,7 @@ const char *{name}_name_in(casadi_int i)
 	static const char *const names[] = {{
 {names(inputs)}}};
 
-	return i >= 0 && i < {len(inputs)} ? names[i] : 0;
+	return i >= 0 && i < {max(1, len(inputs))} ? names[i] : 0;
 }}
 
 const char *{name}_name_out(casadi_int i)
@@ -212,7 +237,7 @@ const char *{name}_name_out(casadi_int i)
 	static const char *const names[] = {{
 {names(outputs)}}};
 
-	return i >= 0 && i < {len(outputs)} ? names[i] : 0;
+	return i >= 0 && i < {max(1, len(outputs))} ? names[i] : 0;
 }}
 
 const casadi_int *{name}_sparsity_in(casadi_int i)
@@ -220,7 +245,7 @@ const casadi_int *{name}_sparsity_in(casadi_int i)
 	static const casadi_int *const patterns[] = {{
 {patterns(inputs)}}};
 
-	return i >= 0 && i < {len(inputs)} ? patterns[i] : 0;
+	return i >= 0 && i < {max(1, len(inputs))} ? patterns[i] : 0;
 }}
 
 const casadi_int *{name}_sparsity_out(casadi_int i)
@@ -228,7 +253,7 @@ const casadi_int *{name}_sparsity_out(casadi_int i)
 	static const casadi_int *const patterns[] = {{
 {patterns(outputs)}}};
 
-	return i >= 0 && i < {len(outputs)} ? patterns[i] : 0;
+	return i >= 0 && i < {max(1, len(outputs))} ? patterns[i] : 0;
 }}
 
 int {name}_work(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w)

@@ -10,7 +10,7 @@ import textwrap
 from typing import Any, Iterable, Sequence
 
 from . import _core
-from ._casadi_c import FLOATING, HEAD, Signature, by_columns, entries, identifier, interface, wrapped
+from ._casadi_c import FLOATING, HEAD, SHARED, Signature, by_columns, called, entries, identifier, interface, wrapped
 from ._casadi_model import Model, Plan, shape, stored
 from ._errors import RobotError, translated
 
@@ -102,7 +102,7 @@ class File:
         begin = at = room.take(len(self.model.numbers))
         lines = []
         for i, a in enumerate(self.inputs):
-            lines.append(f"NAME_take(w + {at}, arg[{first + i}], {a.shape[0]});")
+            lines.append(f"@take(w + {at}, arg[{first + i}], {a.shape[0]});")
             at += a.shape[0]
         return lines, begin
 
@@ -114,8 +114,8 @@ class File:
             found[a.word] = at
             if self.model.is_position(a) and self.model.floating:
                 unit = found[a.word] = room.take(a.rows)
-                lines.append(f"NAME_take(w + {unit}, w + {at}, {a.rows});")
-                lines += [f"NAME_unit(w + {unit + j['iq']}, w + {at + j['iq']});" for j in self.model.floating]
+                lines += [f"for (int k = 0; k < {a.rows}; k++)", f"\tw[{unit} + k] = w[{at} + k];"]
+                lines += [f"@unit(w + {unit + j['iq']}, w + {at + j['iq']});" for j in self.model.floating]
             at += a.rows
         return lines, begin, found
 
@@ -128,21 +128,21 @@ class File:
         """The functions between numbers and tangents."""
         numbers, tangents = len(self.model.numbers), self.model.tangent_count
         one = self.table(min(x.tangents) if len(x.tangents) == 1 else -1 for x in self.model.numbers)
-        to = "".join(f"\tNAME_to_twist(t + {v}, x + {k}, d + {k});\n" for k, v in self.twists())
-        back = "".join(f"\tNAME_from_twist(d + {k}, x + {k}, g + {v});\n" for k, v in self.twists())
+        to = "".join(f"\t@to_twist(t + {v}, x + {k}, d + {k});\n" for k, v in self.twists())
+        back = "".join(f"\t@from_twist(d + {k}, x + {k}, g + {v});\n" for k, v in self.twists())
         return f'''
 /* Tangents t[{tangents}] of numbers d[{numbers}] of the inputs x. */
-static inline void NAME_to_tangents(double *t, const double *x, const double *d)
+static inline void @to_tangents(double *t, const double *x, const double *d)
 {{
 	(void)x;
-	NAME_take(t, 0, {tangents});
+	@take(t, 0, {tangents});
 	for (int k = 0; k < {numbers}; k++)
 		if ({one}[k] >= 0)
 			t[{one}[k]] = d[k];
 {to}}}
 
 /* A gradient by numbers, from that by tangents, of which there are `count`. */
-static inline void NAME_to_numbers(double *d, const double *x, const double *g, int count)
+static inline void @to_numbers(double *d, const double *x, const double *g, int count)
 {{
 	(void)x;
 	for (int k = 0; k < {numbers}; k++)
@@ -153,7 +153,7 @@ static inline void NAME_to_numbers(double *d, const double *x, const double *g, 
     def put(self, lines: list[str], result: int, at: Iterable[int]) -> None:
         at = list(at)
         if at:
-            lines.append(f"NAME_put(res[{result}], w, {self.table(at)}, {len(at)});")
+            lines.append(f"@put(res[{result}], w, {self.table(at)}, {len(at)});")
 
     def add(self, name: str, inputs: Sequence[Signature], outputs: Sequence[Signature], lines: Sequence[str], room: Room) -> None:
         self.functions.append(interface(name, inputs, outputs, lines, room.size, self.table))
@@ -182,12 +182,12 @@ static inline void NAME_to_numbers(double *d, const double *x, const double *g, 
         rows = self.model.row_at(self.model.reverse[1])
         count = next(a.rows for a in self.model.reverse[0].inputs if a.role == "cotangent")
         begin = room.take(count)
-        lines = [f"NAME_take(w + {begin}, 0, {count});"]
+        lines = [f"@take(w + {begin}, 0, {count});"]
         for i, (a, output) in enumerate(zip(self.model.outputs, self.outputs)):
             if a.word in rows:
                 row = {where: k for k, each in enumerate(stored(a)) for where in each}
                 table = self.table(row[where] for where in entries(output))
-                lines.append(f"NAME_add(w + {begin + rows[a.word]}, arg[{first + i}], {table}, {len(entries(output))});")
+                lines.append(f"@add(w + {begin + rows[a.word]}, arg[{first + i}], {table}, {len(entries(output))});")
         return lines, begin
 
     def seeds(self, prefix: str, arrays: Sequence[Signature]) -> list[Signature]:
@@ -209,7 +209,7 @@ static inline void NAME_to_numbers(double *d, const double *x, const double *g, 
             g = room.take(self.model.tangent_count)
             text = self.text("reverse", robot)
             at = self.place(room, robot, {**at, **self.tangent_places("vjp", g)})
-            lines += [*more, text.call(at), f"NAME_to_numbers(w + {d}, w + {x}, w + {g}, {self.model.tangent_count});"]
+            lines += [*more, text.call(at), f"@to_numbers(w + {d}, w + {x}, w + {g}, {self.model.tangent_count});"]
         for i, a in enumerate(self.inputs):
             self.put(lines, i, range(d, d + a.shape[0]) if robot is not None else [-1]*a.shape[0])
             d += a.shape[0]
@@ -226,7 +226,7 @@ static inline void NAME_to_numbers(double *d, const double *x, const double *g, 
             t = room.take(self.model.tangent_count)
             at = self.place(room, robot, {**at, **self.tangent_places("jvp_v", t)})
             text = self.text("forward", robot)
-            lines += [*more, f"NAME_to_tangents(w + {t}, w + {x}, w + {d});", text.call(at)]
+            lines += [*more, f"@to_tangents(w + {t}, w + {x}, w + {d});", text.call(at)]
         rows = self.model.row_at(words)
         for i, (a, output) in enumerate(zip(self.model.outputs, self.outputs)):
             row = {where: k for k, each in enumerate(stored(a)) for where in each}
@@ -241,16 +241,16 @@ static inline void NAME_to_numbers(double *d, const double *x, const double *g, 
         text = self.text(kind, robot, batch=True)
         wide = self.place(room, robot, self.tangent_places("jvp_v", seeds, count), count)
         lines = [f"for (int c = 0; c < {count}; c++) {{", *self.direction(plan, x, d, t),
-                 f"\tNAME_column(w + {seeds}, w + {t}, {tangents}, {count}, c);", "}"]
+                 f"\t@column(w + {seeds}, w + {t}, {tangents}, {count}, c);", "}"]
         for a in robot.inputs:
             if a.word in at:
-                lines.append(f"NAME_spread(w + {wide[a.word]}, w + {at[a.word]}, {a.rows}, {count});")
+                lines.append(f"@spread(w + {wide[a.word]}, w + {at[a.word]}, {a.rows}, {count});")
         return [*lines, text.call(wide, count)], wide, d, t
 
     def direction(self, plan: Plan, x: int, d: int, t: int) -> list[str]:
         """Statements, in a loop over groups c, that make the numbers of a direction and its tangents."""
         return [f"\tfor (int k = 0; k < {len(self.model.numbers)}; k++)", f"\t\tw[{d} + k] = {self.table(plan.group)}[k] == c;",
-                f"\tNAME_to_tangents(w + {t}, w + {x}, w + {d});"]
+                f"\t@to_tangents(w + {t}, w + {x}, w + {d});"]
 
     def jacobian(self, room: Room, x: int, at: dict[str, int]) -> tuple[list[str], dict[tuple[int, int], int]]:
         """Statements that compute all first derivatives, and where they lie: (row, number): place."""
@@ -285,8 +285,8 @@ static inline void NAME_to_numbers(double *d, const double *x, const double *g, 
         g, d = room.take(6), room.take(7*len(rows))
         table = self.table(where.get((i, tangent + k), -1) for i in rows for k in range(6))
         places.update({(i, k): d + 7*n + k - first for n, i in enumerate(rows) for k in numbers if self.model.is_direct(i, k)})
-        return [f"for (int i = 0; i < {len(rows)}; i++) {{", f"\tNAME_put(w + {g}, w, {table} + 6*i, 6);",
-                f"\tNAME_from_twist(w + {d} + 7*i, w + {x + first}, w + {g});", "}"]
+        return [f"for (int i = 0; i < {len(rows)}; i++) {{", f"\t@put(w + {g}, w, {table} + 6*i, 6);",
+                f"\t@from_twist(w + {d} + 7*i, w + {x + first}, w + {g});", "}"]
 
     def blocks(self) -> dict[tuple[int, int], dict[tuple[int, int], tuple[int, int]]]:
         """Of each (output, input) where its first derivatives stand: (row, column) of the block: (row, number) of the model."""
@@ -324,10 +324,10 @@ static inline void NAME_to_numbers(double *d, const double *x, const double *g, 
         begin, g, v = room.take(count*numbers), room.take(3*self.model.nv), room.take(3*self.model.nv)
         lines = [*more, *lines, f"for (int c = 0; c < {count}; c++) {{", f"\tfor (int k = 0; k < {3*self.model.nv}; k++) {{",
                  f"\t\tw[{g} + k] = w[{wide['jvp']} + {count}*k + c];", f"\t\tw[{v} + k] = w[{wide['vjp']} + {count}*k];", "\t}",
-                 f"\tNAME_to_numbers(w + {begin} + {numbers}*c, w + {x}, w + {g}, {3*self.model.nv});"]
+                 f"\t@to_numbers(w + {begin} + {numbers}*c, w + {x}, w + {g}, {3*self.model.nv});"]
         if self.model.floating:
             lines += self.direction(plan, x, d, t)
-        lines += [f"\tNAME_add_turn(w + {begin + k} + {numbers}*c, w + {x + k}, w + {d + k}, w + {t + i}, w + {v + i});"
+        lines += [f"\t@add_turn(w + {begin + k} + {numbers}*c, w + {x + k}, w + {d + k}, w + {t + i}, w + {v + i});"
                   for k, i in self.twists()]
         return [*lines, "}"], {key: begin + numbers*group + key[0] for key, group in plan.read.items()}
 
@@ -370,10 +370,13 @@ static inline void NAME_to_numbers(double *d, const double *x, const double *g, 
     # ---- the whole ----
 
     def __str__(self) -> str:
-        moves = self.moves()  # has a table too
-        tables = [f"static const casadi_int {name}[] = {{\n{wrapped(key)}}};\n" for key, name in self.tables.items()]
-        pieces = [HEAD, FLOATING if self.model.floating else "", "\n", *tables, moves, *self.functions]
-        mine = "".join(pieces).replace("NAME_", f"{self.name}_casadi_")
+        functions = "".join(self.functions)
+        moves = called(self.moves(), functions)  # has a table too
+        shared = called(SHARED + (FLOATING if self.model.floating else ""), moves + functions)
+        known = set(re.findall(r"\w+", moves + functions))
+        tables = [f"static const casadi_int {name}[] = {{\n{wrapped(key)}}};\n" for key, name in self.tables.items()
+                  if name in known]
+        mine = "".join([HEAD, shared, "\n", *tables, moves, functions]).replace("@", f"{self.name}_casadi_")
         texts = "\n".join(text.source for text in self.texts.values())
         return f'{self.head()}\n{texts}\n/* ---- CasADi\'s functions ---- */\n\n{mine}'
 

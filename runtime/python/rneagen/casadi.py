@@ -18,6 +18,7 @@ from __future__ import annotations
 import atexit
 import os
 import re
+import secrets
 import shutil
 import tempfile
 import threading
@@ -25,14 +26,13 @@ from pathlib import Path
 from typing import Any
 
 from . import _core
-from ._casadi_c import identifier
+from ._casadi_c import identifier, is_taken
 from ._casadi_model import Model
 from ._casadi_text import File
 from ._errors import translated
 
 _lock = threading.Lock()
-_folder: list[str] = []  # of shared objects, which CasADi may load again as long as this program runs
-RESERVED = ("null", "jac", "hess")
+_folders: dict[int, str] = {}  # of shared objects, which CasADi may load again as long as this program runs; by process
 
 
 def text(robot, name: str | None = None, derivatives: int = 2, forward: bool = False) -> str:
@@ -43,18 +43,18 @@ def text(robot, name: str | None = None, derivatives: int = 2, forward: bool = F
 def write(robot, path: str | os.PathLike, name: str | None = None, derivatives: int = 2, forward: bool = False) -> str:
     """Write a C file with the function `name`, unless given the robot's name, and its derivatives, in CasADi's C interface: NAME,
     NAME_n_in, NAME_name_in, NAME_sparsity_in, NAME_work, ... It needs no header of CasADi's or ours: cc -O2 -fPIC -shared FILE.c
-    -o FILE.so -lm. Returns the name.
+    -o FILE.so -lm. Returns the name. The file appears whole or not at all.
 
     derivatives=2   the highest order: 1 leaves out Hessians, 0 Jacobians and gradients too
     forward=False   also fwd1_NAME, a derivative along a direction; CasADi then makes Jacobians by it, one column or
                     group of columns at a time, which takes longer than jac_NAME
 
-    Raises ValueError for a robot that CasADi cannot take: of precision f32 or mixed, of convention "mujoco"; unless derivatives=0
-    for outputs that have none, qdd_bound and products; unless derivatives=1 for what is free (mass.LINK, gravity, ...) where
-    second derivatives by two such numbers are not always zero, for texts have none. Torques have none, but by offset.JOINT
-    and by gravity beside masses."""
+    Raises ValueError for a robot that CasADi cannot take: of precision f32 or mixed, a floating base of convention "mujoco";
+    unless derivatives=0 for outputs that have none, qdd_bound and products; unless derivatives=1 for what is free (mass.LINK,
+    gravity, ...) where second derivatives by two such numbers are not always zero, for texts have none. Torques have none,
+    but by offset.JOINT and by gravity beside masses."""
     name = _name(robot, name)
-    Path(path).write_text(_text(robot, name, derivatives, forward), encoding="utf-8")
+    _put(path, _text(robot, name, derivatives, forward))
     return name
 
 
@@ -87,26 +87,54 @@ def _casadi():
 def _name(robot, name: str | None) -> str:
     if name is None:
         name = identifier(robot.name) or "robot"
-        return f"robot_{name}" if name[0].isdigit() or name in RESERVED else name
-    if not re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*_?", name, re.ASCII) or name in RESERVED:
+        return f"robot_{name}" if name[0].isdigit() or is_taken(name) else name
+    if not re.fullmatch("[A-Za-z](_?[A-Za-z0-9])*_?", name, re.ASCII) or is_taken(name):
         raise ValueError(f"name: {name!r} is no name of a function of CasADi: letters, digits and single underscores, first a "
-                         "letter")
+                         "letter, and no word of C, of its <math.h> or of CasADi")
     return name
 
 
 def _text(robot, name: str, derivatives: int, forward: bool) -> str:
     if derivatives not in (0, 1, 2):
         raise ValueError(f"derivatives takes 0, 1 or 2, not {derivatives!r}")
+    if forward and not derivatives:
+        raise ValueError("forward=True is a first derivative: take it with derivatives=1 or 2")
     return str(File(Model(robot, derivatives), name, derivatives, forward))
+
+
+def _put(path: str | os.PathLike, text: str) -> None:
+    """The whole file or nothing: what is there stays till the text is written. Devices and pipes are written in place."""
+    try:
+        if os.fspath(path).startswith("/dev/") or (os.path.exists(path) and not os.path.isfile(path)):
+            Path(path).write_text(text, encoding="utf-8")
+            return
+        target = Path(os.path.realpath(path))
+        part = target.with_name(f".{secrets.token_hex(8)}.part")
+        try:
+            with open(part, "x", encoding="utf-8") as file:
+                file.write(text)
+            os.replace(part, target)
+        except BaseException:
+            part.unlink(missing_ok=True)
+            raise
+    except OSError as error:
+        raise OSError(error.errno, error.strerror, os.fspath(path)) from None
+
+
+def _remove(folder: str, owner: int) -> None:
+    """Unless this is a fork of the program that made it."""
+    if os.getpid() == owner:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _kept(name: str, data: bytes) -> str:
     """A path of a new file with this shared object; it lives as long as the program."""
+    owner = os.getpid()
     with _lock:
-        if not _folder:
-            _folder.append(tempfile.mkdtemp(prefix="rneagen-casadi-"))
-            atexit.register(shutil.rmtree, _folder[0], ignore_errors=True)
-    descriptor, path = tempfile.mkstemp(".so", f"{name}-", _folder[0])
+        if owner not in _folders:
+            _folders[owner] = tempfile.mkdtemp(prefix="rneagen-casadi-")
+            atexit.register(_remove, _folders[owner], owner)
+    descriptor, path = tempfile.mkstemp(".so", f"{name[:100]}-", _folders[owner])
     with open(descriptor, "wb") as file:
         file.write(data)
     return path
