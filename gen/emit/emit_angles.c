@@ -287,7 +287,7 @@ static const char *meet_text(const struct emission *e, const struct call *c)
 
 	text_init(&t, e->arena);
 	if (c->has_threads && c->part->function.stretches->period)
-		text_printf(&t, "%sif (RNEA_SAMPLE_THREADS > 1)\n%s\t__syncthreads(); /* outputs take the places of angles */\n", c->indent,
+		text_printf(&t, "\n%sif (RNEA_SAMPLE_THREADS > 1)\n%s\t__syncthreads(); /* outputs take the places of angles */", c->indent,
 			c->indent);
 	return text_string(&t);
 }
