@@ -1,15 +1,10 @@
 #include "base/error.h"
+#include "base/text.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
 enum { LONGEST = 6000 }; /* a path, and what is said of it */
-
-/* Of UTF-8: a byte that does not begin a character. */
-static int is_inside(char c)
-{
-	return ((unsigned char)c & 0xc0) == 0x80;
-}
 
 const char *rneagen_code_text(enum rneagen_code code)
 {
@@ -27,9 +22,9 @@ static void shorten(char *message, size_t size, const char *whole, size_t length
 	static const char gap[] = " ... ";
 	size_t end = size / 2, begin = size - 1 - end - strlen(gap);
 
-	while (begin && is_inside(whole[begin]))
+	while (begin && text_is_inside(whole[begin]))
 		begin--;
-	while (is_inside(whole[length - end]))
+	while (text_is_inside(whole[length - end]))
 		end--;
 	snprintf(message, size, "%.*s%s%s", (int)begin, whole, gap, whole + length - end);
 }

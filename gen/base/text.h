@@ -42,4 +42,10 @@ const char *text_before_file(const char *name);
 /* A number from 0 to 2^31 - 1 by which strings that differ are told apart (FNV-1a). */
 int text_digest(const char *s);
 
+/* Of UTF-8: a byte that does not begin a character. */
+static inline int text_is_inside(char c)
+{
+	return ((unsigned char)c & 0xc0) == 0x80;
+}
+
 #endif

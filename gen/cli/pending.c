@@ -1,5 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/pending.h"
+#include "base/text.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -135,7 +136,7 @@ static char *temporary_name(const char *path)
 	size_t kept = strlen(name);
 
 	if (kept > KEPT)
-		for (kept = KEPT; kept && ((unsigned char)name[kept] & 0xc0) == 0x80; kept--) /* characters of UTF-8 stay whole */
+		for (kept = KEPT; kept && text_is_inside(name[kept]); kept--) /* characters of UTF-8 stay whole */
 			;
 	return join(path, (size_t)(name - path) + kept, ".XXXXXX");
 }

@@ -8,49 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- the key of the cache ---- */
-
-struct key {
-	char *data; /* malloc; NULL: nothing is kept */
-	size_t size;
-};
-
-static void append(char *key, size_t *used, const char *text)
-{
-	size_t length = strlen(text) + 1; /* with its NUL, so that two texts do not run into each other */
-
-	if (key)
-		memcpy(key + *used, text, length);
-	*used += length;
-}
-
-/* Everything that the object depends on. What the options name, files to include for one, is taken not to change. */
-static size_t fill_key(char *key, const struct host_request *r, const struct compiler *c)
-{
-	size_t used = 0;
-
-	append(key, &used, "rnea host 1");
-	append(key, &used, c->identity);
-	append(key, &used, r->name);
-	append(key, &used, r->source);
-	for (size_t i = 0; i < r->option_count; i++)
-		append(key, &used, r->options[i]);
-	return used;
-}
-
-static enum rnea_code make_key(
-	struct key *key, const struct host_request *r, const struct compiler *c, struct rnea_error *e)
-{
-	memset(key, 0, sizeof *key);
-	if (!r->cache || !r->cache->folder[0] || !c->identity[0])
-		return RNEA_OK;
-	key->size = fill_key(NULL, r, c);
-	if (!(key->data = malloc(key->size)))
-		return rnea_error_memory(e);
-	fill_key(key->data, r, c);
-	return RNEA_OK;
-}
-
 /* ---- loading ---- */
 
 host_slice *host_find(const struct host *h, const char *name, const char *function)
@@ -84,7 +41,7 @@ static enum rnea_code load(
 }
 
 /* An entry that does not load, made by another C library for one, is as good as none. */
-static int load_cached(struct host *h, const struct host_request *r, const struct key *key)
+static int load_cached(struct host *h, const struct host_request *r, const struct host_key *key)
 {
 	struct rnea_error ignored = {0};
 	size_t size;
@@ -101,7 +58,7 @@ static int load_cached(struct host *h, const struct host_request *r, const struc
 }
 
 static enum rnea_code load_compiled(struct host *h, const struct host_request *r, const struct compiler *c,
-	const struct key *key, struct rnea_error *e)
+	const struct host_key *key, struct rnea_error *e)
 {
 	const struct compiler_request request = {.source = r->source,
 		.file = r->file,
@@ -125,13 +82,13 @@ static enum rnea_code load_compiled(struct host *h, const struct host_request *r
 
 enum rnea_code host_open(struct host *h, const struct host_request *r, struct rnea_error *e)
 {
-	struct key key = {0};
+	struct host_key key = {0};
 	struct compiler *c = malloc(sizeof *c);
 
 	memset(h, 0, sizeof *h);
 	if (!c)
 		rnea_error_memory(e);
-	else if (!compiler_find(c, e) && !make_key(&key, r, c, e) && !load_cached(h, r, &key))
+	else if (!compiler_find(c, e) && !host_key(&key, r, c, e) && !load_cached(h, r, &key))
 		load_compiled(h, r, c, &key, e);
 	free(key.data);
 	free(c);

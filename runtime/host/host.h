@@ -43,6 +43,15 @@ struct host {
 enum rnea_code host_open(struct host *h, const struct host_request *r, struct rnea_error *e);
 void host_close(struct host *h);
 
+/* What the object is kept by in the cache: free key->data. Errors: MEMORY. */
+struct compiler;
+struct host_key {
+	char *data; /* NULL: nothing is kept */
+	size_t size;
+};
+enum rnea_code host_key(
+	struct host_key *key, const struct host_request *r, const struct compiler *c, struct rnea_error *e);
+
 /* NAME_FUNCTION_slice; NULL: the text has none. */
 host_slice *host_find(const struct host *h, const char *name, const char *function);
 

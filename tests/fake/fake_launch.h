@@ -85,19 +85,13 @@ static cudaError_t cudaLaunchKernel(const void *kernel, dim3 grid, dim3 block, v
 	return cudaSuccess;
 }
 
-/* Of any kernels with the parameters of this one. */
-#define FAKE_ENTRY(one)                                                                                                \
+/* Of any kernels with the parameters of this one; of those whose threads wait for each other. */
+#define FAKE_ENTRY(one) FAKE_ENTRY_BY(fake_run_serial, one)
+#define FAKE_ENTRY_WAITS(one) FAKE_ENTRY_BY(fake_run_threads, one)
+#define FAKE_ENTRY_BY(run, one)                                                                                        \
 	static void fake_entry(const void *kernel, void **arguments, unsigned grid, unsigned parts, unsigned block)    \
 	{                                                                                                              \
-		fake_run_serial((decltype(&one))kernel, arguments, grid, parts, block);                                \
-	}                                                                                                              \
-	alignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];
-
-/* Of kernels whose threads wait for each other. */
-#define FAKE_ENTRY_WAITS(one)                                                                                          \
-	static void fake_entry(const void *kernel, void **arguments, unsigned grid, unsigned parts, unsigned block)    \
-	{                                                                                                              \
-		fake_run_threads((decltype(&one))kernel, arguments, grid, parts, block);                               \
+		run((decltype(&one))kernel, arguments, grid, parts, block);                                            \
 	}                                                                                                              \
 	alignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];
 

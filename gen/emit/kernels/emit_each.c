@@ -25,7 +25,13 @@ static void put_numbers_of(const struct emission *e, const struct function *p, i
    jvrc1 528, 503, in f64 2196, 1936, of atlas in f64 1291, 1158, of g1_29dof 1277, 1272, of romeo 850, 886. */
 static const char *first_text(const struct emission *e)
 {
-	return request_wants_derivative(e->request) ? "0" : "(threadIdx.x >> 16) /* 0: each thread has its own number of the limb */";
+	const char *turns =
+		request_wants_derivative(e->request) ? "0" : "(threadIdx.x >> 16) /* 0: each thread has its own number of the limb */";
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, emit_each_block(e) ? "(RNEA_SAMPLE_THREADS > 1 ? threadIdx.x/RNEA_BLOCK : %s)" : "%s", turns);
+	return text_string(&t);
 }
 
 void emit_each_numbers(const struct emission *e, const struct function *p, struct text *out)
@@ -34,7 +40,9 @@ void emit_each_numbers(const struct emission *e, const struct function *p, struc
 		{"MOST", emit_int(e, p->loops->most_block)}, {"LIMBS", emit_int(e, p->loops->limbs)}};
 	struct text rows;
 
-	template_expand(out, p->loops->most_block ? template_each_threads_in : template_each_in, first, sizeof first / sizeof *first);
+	template_expand(out, template_each_in, first, sizeof first / sizeof *first);
+	if (p->loops->most_block)
+		template_expand(out, template_each_threads_in, first, sizeof first / sizeof *first);
 	if (!p->loops->number_count)
 		return;
 	text_init(&rows, e->arena);
@@ -167,68 +175,52 @@ static void put_begin(const struct unparser *u, const struct plan *p, size_t lin
 
 /* ---- where limbs have threads of their own ---- */
 
-typedef void put_number(const char *name, int place, struct text *out);
-
-static void put_store(const char *name, int place, struct text *out)
+/* What a limb leaves, from a place on: stored there, or fetched. Returns the place after it. */
+static int put_left(const struct plan *p, int limb, int place, int is_store, struct text *out)
 {
-	text_printf(out, "\t\tleft[%d*RNEA_BLOCK] = %s;\n", place, name);
-}
-
-static void put_load(const char *name, int place, struct text *out)
-{
-	text_printf(out, "\t%s = left[%d*RNEA_BLOCK];\n", name, place);
-}
-
-/* What a limb leaves, from a place on. Returns the place after it. */
-static int put_numbers_left(const struct plan *p, int limb, int place, put_number *put, struct text *out)
-{
-	for (size_t i = 0; i < p->line_count; i++)
-		if (p->lines[i].kind == LINE_VALUE && p->dag->nodes[p->lines[i].value.i].op == OP_LANE0 + (unsigned)limb)
-			put(p->names[p->lines[i].value.i], place++, out);
+	for (size_t i = 0; i < p->line_count; i++) {
+		if (each_left_by(p, i) != limb)
+			continue;
+		if (is_store)
+			text_printf(out, "\t\tleft[%d*RNEA_BLOCK] = %s;\n", place++, p->names[p->lines[i].value.i]);
+		else
+			text_printf(out, "\t%s = left[%d*RNEA_BLOCK];\n", p->names[p->lines[i].value.i], place++);
+	}
 	return place;
 }
 
-static const char *stores_text(const struct unparser *u, const struct plan *p)
+static const char *room_text(const struct unparser *u, int numbers)
 {
+	const char *type = u->numbers->value;
 	struct text t;
 
 	text_init(&t, u->emission->arena);
-	for (int limb = 1, place = 0; limb < u->function->loops->limbs; limb++) {
-		text_printf(&t, "\tif (threadIdx.x/RNEA_BLOCK == %d) {\n", limb);
-		place = put_numbers_left(p, limb, place, put_store, &t);
-		text_put(&t, "\t}\n");
-	}
+	if (numbers)
+		text_printf(&t, "\t__shared__ %s numbers_left[%d*RNEA_BLOCK];\n\t%s *const left = numbers_left + threadIdx.x%%RNEA_BLOCK;\n",
+			type, numbers, type);
 	return text_string(&t);
-}
-
-static const char *loads_text(const struct unparser *u, const struct plan *p)
-{
-	struct text t;
-
-	text_init(&t, u->emission->arena);
-	for (int limb = 1, place = 0; limb < u->function->loops->limbs; limb++)
-		place = put_numbers_left(p, limb, place, put_load, &t);
-	return text_string(&t);
-}
-
-static int count_left(const struct function *p)
-{
-	int count = 0;
-
-	for (int limb = 1; limb < p->loops->limbs; limb++)
-		count += each_leaving(p, limb);
-	return count;
 }
 
 /* After the last loop the first limb's threads go on alone. */
 static void put_meeting(const struct unparser *u, const struct plan *p, struct text *out)
 {
-	const struct emission *e = u->emission;
-	int left = count_left(u->function);
-	const struct slot slots[] = {{"T", u->numbers->value}, {"COUNT", emit_int(e, left)}, {"STORES", stores_text(u, p)},
-		{"LOADS", loads_text(u, p)}, {"RETURN", emit_has_known(e) ? "return all_small" : "return"}};
+	struct text stores, loads;
+	int place = 0;
 
-	template_expand(out, left ? template_each_meet_in : template_each_wait_in, slots, sizeof slots / sizeof *slots);
+	text_init(&stores, u->emission->arena);
+	text_init(&loads, u->emission->arena);
+	for (int limb = 1, after; limb < u->function->loops->limbs; limb++, place = after) {
+		after = put_left(p, limb, place, 0, &loads);
+		if (after == place)
+			continue;
+		text_printf(&stores, "\tif (threadIdx.x/RNEA_BLOCK == %d) {\n", limb);
+		put_left(p, limb, place, 1, &stores);
+		text_put(&stores, "\t}\n");
+	}
+	const struct slot slots[] = {{"ROOM", room_text(u, place)}, {"STORES", text_string(&stores)}, {"LOADS", text_string(&loads)},
+		{"RETURN", emit_has_known(u->emission) ? "return all_small" : "return"}};
+
+	template_expand(out, template_each_meet_in, slots, sizeof slots / sizeof *slots);
 }
 
 static int is_last(const struct unparser *u, const struct plan *p, size_t line)

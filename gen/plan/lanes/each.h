@@ -21,8 +21,8 @@ int each_gather(int *serves, int *is_apart, struct function *p, struct arena *sp
    room in its own 48 KiB for what limbs leave to the trunk; 0: limbs are turns of a loop. */
 int each_most_block(const struct function *p, const struct parts_of *x);
 
-/* Numbers that a limb leaves. */
-int each_leaving(const struct function *p, int limb);
+/* The limb, from 0, of which a line is what leaves the loop; -1: it is none such. */
+int each_left_by(const struct plan *p, size_t line);
 
 /* Operations of a function with loops, each of a loop as often as it is made. */
 struct operation_count each_operations(const struct function *p);

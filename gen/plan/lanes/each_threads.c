@@ -17,12 +17,20 @@ enum { LEAST_THREADS = 6200 };
 /* Shared memory that a kernel has beside its slices and what limbs leave; samples of a block of 1024 threads. */
 enum { OTHER_BYTES = 256, MOST_BLOCK = 512 };
 
-int each_leaving(const struct function *p, int limb)
+int each_left_by(const struct plan *p, size_t line)
+{
+	unsigned op = p->lines[line].kind == LINE_VALUE ? p->dag->nodes[p->lines[line].value.i].op : 0;
+
+	return op >= OP_LANE0 ? (int)(op - OP_LANE0) : -1;
+}
+
+/* Numbers that cross. */
+static int count_left(const struct plan *p)
 {
 	int count = 0;
 
-	for (const struct line *l = p->plan.lines; l < p->plan.lines + p->plan.line_count; l++)
-		count += l->kind == LINE_VALUE && p->dag.nodes[l->value.i].op == OP_LANE0 + (unsigned)limb;
+	for (size_t i = 0; i < p->line_count; i++)
+		count += each_left_by(p, i) > 0;
 	return count;
 }
 
@@ -33,9 +41,7 @@ int each_most_block(const struct function *p, const struct parts_of *x)
 	if (!p->loops->is_apart || (product && x->options->precision != RNEAGEN_F64) ||
 		plan_flops(plan_operations(&x->whole->plan)) <= LEAST_THREADS)
 		return 0;
-	words = stretches_words(p->stretches, &p->dag, x->options);
-	for (int limb = 1; limb < p->loops->limbs; limb++)
-		words += each_leaving(p, limb);
+	words = stretches_words(p->stretches, &p->dag, x->options) + count_left(&p->plan);
 	block = (SHARED_BYTES - OTHER_BYTES) / (words * bytes) / WARP_THREADS * WARP_THREADS;
 	return block < MOST_BLOCK ? block : MOST_BLOCK;
 }

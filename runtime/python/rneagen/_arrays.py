@@ -14,6 +14,7 @@ import numpy
 
 SCALARS = {"f32": "f32", "mixed": "f32", "f64": "f64", "f32x2": "f64"}  # numbers in memory, by precision
 NUMPY, JAX = "_arrays NumPy", "jax JAX"  # modules, and what messages call their arrays
+SYMMETRIC = ("mass_matrix", "opspace_inertia")  # roles of matrices that may be stored by their lower triangle
 DTYPES = {"f32": numpy.dtype("float32"), "f64": numpy.dtype("float64")}
 
 
@@ -35,6 +36,11 @@ class Array:
     @property
     def is_matrix(self) -> bool:
         return self.pattern is not None
+
+    @functools.cached_property
+    def is_lower(self) -> bool:
+        """Is only the lower triangle of a symmetric matrix stored?"""
+        return self.role.startswith(SYMMETRIC) and all(r >= c for r, c in zip(*(self.pattern or ((), ()))))
 
 
 def describe(array: dict[str, Any], nv: int, sparse: bool) -> Array:

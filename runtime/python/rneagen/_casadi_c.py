@@ -183,16 +183,31 @@ def wrapped(values: Iterable[Any], indent: str = "\t") -> str:
                          break_long_words=False, break_on_hyphens=False)
 
 
+def listed(kind: str, stored: str, name: str, array: str, values: Sequence[str]) -> str:
+    """A function that gives the value with a number, 0 beyond the last one."""
+    lines = wrapped(values, "\t\t") or "\t\t0"
+    return f'''\
+{kind}{name}(casadi_int i)
+{{
+	static {stored}{array}[] = {{
+{lines}}};
+
+	return i >= 0 && i < {max(1, len(values))} ? {array}[i] : 0;
+}}
+'''
+
+
 def interface(name: str, inputs: Sequence[Signature], outputs: Sequence[Signature], statements: Sequence[str], size: int,
               table: Callable[[Iterable[int]], str]) -> str:
     """A function by its statements, and what CasADi asks of it; `size` of w. `table` gives names of tables."""
-    def names(arrays: Sequence[Signature]) -> str:
-        return wrapped((f'"{a.name}"' for a in arrays), "\t\t") or "\t\t0"
-
-    def patterns(arrays: Sequence[Signature]) -> str:
-        return wrapped((table(compressed(a)) for a in arrays), "\t\t") or "\t\t0"
-
-    defaults = wrapped((a.default for a in inputs), "\t\t") or "\t\t0"
+    text, pattern = "const char *", "const casadi_int *"
+    asked = [listed("casadi_real ", "const double ", f"{name}_default_in", "values", [a.default for a in inputs])]
+    for end, arrays in (("in", inputs), ("out", outputs)):
+        asked.append(listed(text, f"{text}const ", f"{name}_name_{end}", "names", [f'"{a.name}"' for a in arrays]))
+    for end, arrays in (("in", inputs), ("out", outputs)):
+        patterns = [table(compressed(a)) for a in arrays]
+        asked.append(listed(pattern, f"{pattern}const ", f"{name}_sparsity_{end}", "patterns", patterns))
+    answers = "\n".join(asked)
     body = "\n".join("\t" + line for line in statements)
     return f'''
 /*
@@ -216,46 +231,7 @@ void {name}_decref(void) {{ }}
 casadi_int {name}_n_in(void) {{ return {len(inputs)}; }}
 casadi_int {name}_n_out(void) {{ return {len(outputs)}; }}
 
-casadi_real {name}_default_in(casadi_int i)
-{{
-	static const double values[] = {{
-{defaults}}};
-
-	return i >= 0 && i < {max(1, len(inputs))} ? values[i] : 0;
-}}
-
-const char *{name}_name_in(casadi_int i)
-{{
-	static const char *const names[] = {{
-{names(inputs)}}};
-
-	return i >= 0 && i < {max(1, len(inputs))} ? names[i] : 0;
-}}
-
-const char *{name}_name_out(casadi_int i)
-{{
-	static const char *const names[] = {{
-{names(outputs)}}};
-
-	return i >= 0 && i < {max(1, len(outputs))} ? names[i] : 0;
-}}
-
-const casadi_int *{name}_sparsity_in(casadi_int i)
-{{
-	static const casadi_int *const patterns[] = {{
-{patterns(inputs)}}};
-
-	return i >= 0 && i < {max(1, len(inputs))} ? patterns[i] : 0;
-}}
-
-const casadi_int *{name}_sparsity_out(casadi_int i)
-{{
-	static const casadi_int *const patterns[] = {{
-{patterns(outputs)}}};
-
-	return i >= 0 && i < {max(1, len(outputs))} ? patterns[i] : 0;
-}}
-
+{answers}
 int {name}_work(casadi_int *sz_arg, casadi_int *sz_res, casadi_int *sz_iw, casadi_int *sz_w)
 {{
 	if (sz_arg)

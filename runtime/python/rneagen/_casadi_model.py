@@ -42,10 +42,14 @@ def stored(array: Array) -> list[list[tuple[int, int]]]:
     """Where each stored number of an output stands in its matrix; a vector is a column."""
     if array.pattern:
         row, col = array.pattern
-        is_lower = array.role.startswith(("mass_matrix", "opspace_inertia")) and all(r >= c for r, c in zip(row, col))
-        return [[(r, c)] if r == c or not is_lower else [(r, c), (c, r)] for r, c in zip(row, col)]
+        return [[(r, c)] if r == c or not array.is_lower else [(r, c), (c, r)] for r, c in zip(row, col)]
     columns = array.shape[1] if len(array.shape) > 1 else 1
     return [[divmod(k, columns)] for k in range(array.rows)]
+
+
+def rows_at(array: Array) -> dict[tuple[int, int], int]:
+    """By place in the matrix, the number that is stored for it."""
+    return {where: k for k, each in enumerate(stored(array)) for where in each}
 
 
 def shape(array: Array) -> tuple[int, int]:

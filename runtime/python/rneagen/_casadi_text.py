@@ -11,7 +11,7 @@ from typing import Any, Iterable, Sequence
 
 from . import _core
 from ._casadi_c import FLOATING, HEAD, SHARED, Signature, by_columns, called, entries, identifier, interface, wrapped
-from ._casadi_model import Model, Plan, shape, stored
+from ._casadi_model import Model, Plan, rows_at, shape, stored
 from ._errors import RobotError, translated
 
 class Room:
@@ -173,8 +173,8 @@ static inline void @to_numbers(double *d, const double *x, const double *g, int 
         at = self.place(room, text.robot, at)
         lines.append(text.call(at))
         for i, (a, output) in enumerate(zip(self.model.outputs, self.outputs)):
-            place = {where: at[a.word] + k for k, each in enumerate(stored(a)) for where in each}
-            self.put(lines, i, (place[where] for where in entries(output)))
+            row = rows_at(a)
+            self.put(lines, i, (at[a.word] + row[where] for where in entries(output)))
         self.add(self.name, self.inputs, self.outputs, lines, room)
 
     def weights(self, room: Room, first: int) -> tuple[list[str], int]:
@@ -185,7 +185,7 @@ static inline void @to_numbers(double *d, const double *x, const double *g, int 
         lines = [f"@take(w + {begin}, 0, {count});"]
         for i, (a, output) in enumerate(zip(self.model.outputs, self.outputs)):
             if a.word in rows:
-                row = {where: k for k, each in enumerate(stored(a)) for where in each}
+                row = rows_at(a)
                 table = self.table(row[where] for where in entries(output))
                 lines.append(f"@add(w + {begin + rows[a.word]}, arg[{first + i}], {table}, {len(entries(output))});")
         return lines, begin
@@ -229,7 +229,7 @@ static inline void @to_numbers(double *d, const double *x, const double *g, int 
             lines += [*more, f"@to_tangents(w + {t}, w + {x}, w + {d});", text.call(at)]
         rows = self.model.row_at(words)
         for i, (a, output) in enumerate(zip(self.model.outputs, self.outputs)):
-            row = {where: k for k, each in enumerate(stored(a)) for where in each}
+            row = rows_at(a)
             self.put(lines, i, (at["jvp"] + rows[a.word] + row[where] if a.word in rows else -1 for where in entries(output)))
         self.add(f"fwd1_{self.name}", inputs, outputs, lines, room)
 

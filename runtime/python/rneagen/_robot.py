@@ -26,7 +26,6 @@ NUMPY = (numpy.ndarray, numpy.empty, _arrays.DTYPES["f32"], _arrays.DTYPES["f64"
 OWN = ("convention", "sparse")
 PRODUCTS = ("jvp", "vjp")  # of derivatives of outputs
 KEYS = itertools.count()
-SYMMETRIC = ("mass_matrix", "opspace_inertia")  # roles of matrices that may be stored by their lower triangle
 # by key, which torch.compile takes for a constant
 ALIVE: weakref.WeakValueDictionary[str, "Robot"] = weakref.WeakValueDictionary()
 KEYWORDS = (*_options.scene_keywords(), *_options.MODEL, *_options.COUNTED, *_options.OPEN, *OWN)
@@ -274,7 +273,7 @@ class Robot(_core.Robot):
 
     def _sparse_of(self, array: _arrays.Array, values: numpy.ndarray) -> _sparse.Sparse:
         row, col = (numpy.array(x, dtype=numpy.int32) for x in array.pattern or ((), ()))
-        return _sparse.Sparse(values, row, col, array.size, array.role.startswith(SYMMETRIC) and bool((row >= col).all()))
+        return _sparse.Sparse(values, row, col, array.size, array.is_lower)
 
     # ---- texts ----
 

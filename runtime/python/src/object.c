@@ -2,46 +2,37 @@
 #include "module.h"
 #include "cache/cache.h"
 #include "host/compiler.h"
+#include "host/host.h"
 #include <stdlib.h>
-#include <string.h>
 
-static const char kind[] = "rnea object 1"; /* texts that librnea opens have another */
-
-/* kind, compiler and text, each with its NUL; malloc, *size bytes. NULL, and *size is 0: nothing is kept. */
-static char *make_key(const struct compiler *c, const char *text, size_t *size)
+static enum rnea_code find_or_run(
+	const struct host_request *r, const struct compiler *c, char **data, size_t *size, struct rnea_error *e)
 {
-	size_t identity = strlen(c->identity) + 1, length = strlen(text) + 1;
-	char *key = identity > 1 ? malloc(sizeof kind + identity + length) : NULL;
+	const struct compiler_request request = {.source = r->source, .file = r->file};
+	struct host_key key;
 
-	*size = key ? sizeof kind + identity + length : 0;
-	if (key) {
-		memcpy(key, kind, sizeof kind);
-		memcpy(key + sizeof kind, c->identity, identity);
-		memcpy(key + sizeof kind + identity, text, length);
-	}
-	return key;
+	if (host_key(&key, r, c, e))
+		return e->code;
+	if ((!key.data || !cache_get(r->cache, key.data, key.size, data, size)) && !compiler_run(c, &request, data, size, e) && key.data)
+		cache_put(r->cache, key.data, key.size, *data, *size, NULL);
+	free(key.data);
+	return e->code;
 }
 
+/* As the host backend names it, but for NAME_info, which it has none of. */
 static enum rnea_code make_object(
 	const char *text, const struct rnea_options *o, char **data, size_t *size, struct rnea_error *e)
 {
-	const struct compiler_request request = {.source = text, .file = o->file ? o->file : "<text>"};
-	struct compiler *c = malloc(sizeof *c);
 	struct cache cache;
-	size_t key_size;
-	char *key;
+	const struct host_request request = {
+		.source = text, .file = o->file ? o->file : "<text>", .name = "", .cache = &cache};
+	struct compiler *c = malloc(sizeof *c);
 
-	if (!c)
-		return rnea_error_memory(e);
-	if (compiler_find(c, e)) {
-		free(c);
-		return e->code;
-	}
 	cache_open(&cache, o->cache);
-	key = make_key(c, text, &key_size);
-	if ((!key || !cache_get(&cache, key, key_size, data, size)) && !compiler_run(c, &request, data, size, e) && key)
-		cache_put(&cache, key, key_size, *data, *size, NULL);
-	free(key);
+	if (!c)
+		rnea_error_memory(e);
+	else if (!compiler_find(c, e))
+		find_or_run(&request, c, data, size, e);
 	free(c);
 	return e->code;
 }
