@@ -93,6 +93,12 @@ enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one function can take */
 	X(LINK_INERTIA, "link_inertia")		    /* of a link: its ten inertial parameters */                       \
 	X(LINK_PAYLOAD, "link_payload")		    /* of a link: ten inertial parameters on top of its own */         \
 	X(JOINT_OFFSET, "joint_offset")		    /* of a joint: added to its q */                                   \
+	X(JOINT_ARMATURE, "joint_armature")	    /* of a joint: its rotor's inertia, kg m^2 (kg) */                 \
+	X(JOINT_DAMPING, "joint_damping")	    /* of a joint: N m s/rad (N s/m) */                                \
+	X(JOINT_FRICTION, "joint_friction")	    /* of a joint: N m (N) */                                          \
+	X(ARMATURE, "armature")			    /* of all joints with one row, in rows of qd */                    \
+	X(DAMPING, "damping")			    /* the same */                                                     \
+	X(FRICTION, "friction")			    /* the same */                                                     \
 	X(JOINT_WRENCH, "joint_wrench")		    /* of a joint: what it carries */                                  \
 	X(LINK_TWIST, "link_twist")		    /* of a link */                                                    \
 	X(LINK_ACCELERATION, "link_acceleration")   /* of a link */                                                    \

@@ -29,6 +29,12 @@ enum role_rows {
 	X(LINK_INERTIA, "link_inertia", ROWS_INERTIA)                                                                  \
 	X(LINK_PAYLOAD, "link_payload", ROWS_INERTIA)                                                                  \
 	X(JOINT_OFFSET, "joint_offset", ROWS_ANY)                                                                      \
+	X(JOINT_ARMATURE, "joint_armature", ROWS_ANY)                                                                  \
+	X(JOINT_DAMPING, "joint_damping", ROWS_ANY)                                                                    \
+	X(JOINT_FRICTION, "joint_friction", ROWS_ANY)                                                                  \
+	X(ARMATURE, "armature", ROWS_NV)                                                                               \
+	X(DAMPING, "damping", ROWS_NV)                                                                                 \
+	X(FRICTION, "friction", ROWS_NV)                                                                               \
 	X(JOINT_WRENCH, "joint_wrench", ROWS_WRENCH)                                                                   \
 	X(LINK_TWIST, "link_twist", ROWS_WRENCH)                                                                       \
 	X(LINK_ACCELERATION, "link_acceleration", ROWS_WRENCH)                                                         \

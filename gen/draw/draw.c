@@ -79,12 +79,20 @@ static void range_joints(struct drawn *x, const struct tree *t, int is_forward)
 	}
 }
 
+/* Of a joint's own term: 0 to 0.1 kg m^2, 1 N m s or 1 N m where the URDF has none. */
+static struct draw_range own_range(const struct freed *f, int row)
+{
+	double own = (double)f->nominal[row];
+
+	return own > 0 ? between(0.9 * own, 1.1 * own) : between(0, f->kind == FREED_OWN + OWN_ARMATURE ? 0.1 : 1);
+}
+
 static struct draw_range freed_range(const struct freed *f)
 {
 	double mass = (double)f->nominal[0], length = 0;
 	struct draw_range r = mass > 0 ? between(0.9 * mass, 1.1 * mass) : between(0, 1);
 
-	for (int i = 0; i < 3; i++)
+	for (int i = 0; i < 3 && f->kind == FREED_GRAVITY; i++)
 		length = hypot(length, (double)f->nominal[i]);
 	if (f->kind == FREED_GRAVITY)
 		return around(length > 0 ? length : 9.81);
@@ -92,6 +100,14 @@ static struct draw_range freed_range(const struct freed *f)
 		return around(0.1);
 	r.kind = f->kind == FREED_MASS ? DRAW_NUMBER : DRAW_BODY;
 	return r;
+}
+
+/* Rows of what is freed of all joints. */
+static void range_own(struct drawn *x)
+{
+	for (int i = 0; i < x->count; i++)
+		for (int r = 0; r < x->arrays[i].rows && x->arrays[i].freed && x->arrays[i].freed->kind >= FREED_OWN; r++)
+			x->arrays[i].ranges[r] = own_range(x->arrays[i].freed, r);
 }
 
 /* What the scene says; a quaternion is drawn over all rotations. */
@@ -141,6 +157,7 @@ int draw_ranges(struct drawn *x, const struct tree *t, const struct request *k, 
 	if (a->failed)
 		return 0;
 	range_joints(x, t, k->is_forward);
+	range_own(x);
 	for (int i = 0; i < x->count; i++)
 		range_as_said(&x->arrays[i], k);
 	return 1;

@@ -28,6 +28,11 @@ int articulated_is_shorter(const struct tree *t)
 	return articulated_serves(t) && squares > (long long)FOR_A_ROW * t->nv;
 }
 
+static struct ref armature(const struct tour *r, int body)
+{
+	return own_term(r, OWN_ARMATURE, body, within_exact(1));
+}
+
 static struct smat smat_transposed(const struct smat *T)
 {
 	struct smat out;
@@ -125,7 +130,7 @@ static void free_joint(struct articulated *x, int body, int *singular)
 			D[j * n + i] = felt[j];
 	}
 	if (n == 1)
-		D[0] = dag_add(r->d, D[0], dag_within(r->d, r->request->armature[body]));
+		D[0] = dag_add(r->d, D[0], armature(r, body));
 	if (!factor_make(&y->D, r->d, n, NULL, D, singular) && *singular < 0)
 		r->d->failed = 1;
 	else if (*singular >= 0)
@@ -165,7 +170,7 @@ static void clear_axis(const struct articulated *x, int body)
 	const struct ref zero = {0};
 	int a = k->axis;
 
-	if (joint_nv(k->type) != 1 || x->r->request->armature[body].x != 0)
+	if (joint_nv(k->type) != 1 || armature(x->r, body).i)
 		return;
 	for (int i = 0; i < 3; i++) {
 		if (k->type == JOINT_PRISMATIC)
@@ -348,7 +353,7 @@ static struct pair let_through(const struct articulated *x, int body, struct pai
 	factor_solve(&x->bodies[body].D, u);
 	less = scaled(d, &x->bodies[body], u, joint_nv(k->type));
 	p = (struct pair){svec_sub(d, p.angular, less.angular), svec_sub(d, p.linear, less.linear)};
-	if (joint_nv(k->type) == 1 && x->r->request->armature[body].x == 0)
+	if (joint_nv(k->type) == 1 && !armature(x->r, body).i)
 		(k->type == JOINT_PRISMATIC ? &p.linear : &p.angular)->x[k->axis] = (struct ref){0};
 	return p;
 }

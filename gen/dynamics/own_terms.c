@@ -4,33 +4,41 @@
 #include <math.h>
 
 /* c v / sqrt(v^2 + width^2): friction c against sliding at v, smooth where it turns. */
-static struct ref smooth_friction(struct dag *d, struct within c, struct ref v, struct within width)
+static struct ref smooth_friction(struct dag *d, struct ref c, struct ref v, struct within width)
 {
 	struct ref square = dag_add(d, dag_mul(d, v, v), dag_within(d, within_mul(width, width)));
 
-	return dag_div(d, dag_mul(d, dag_within(d, c), v), dag_sqrt(d, square));
+	return dag_div(d, dag_mul(d, c, v), dag_sqrt(d, square));
+}
+
+struct ref own_term(const struct tour *r, enum own_term term, int body, struct within factor)
+{
+	struct ref input = r->own ? r->own[term][body] : (struct ref){0};
+
+	if (input.i)
+		return dag_mul(r->d, dag_within(r->d, factor), input);
+	return dag_within(r->d, within_mul(factor, r->request->own[term][body]));
 }
 
 /* Rotor inertia and friction of the joint's own axis, whose coordinate is multiplier q: J qdd + d qd + c sign(qd), and the
    multiplier once more for the driver's torque. */
 void own_terms(const struct tour *r, int body, struct ref *tau)
 {
-	const struct request *request = r->request;
 	const struct body *k = &r->t->bodies[body];
 	struct dag *d = r->d;
 	struct within square = within_mul(k->multiplier, k->multiplier), size = k->multiplier;
+	struct ref friction;
 
 	if (joint_nv(k->type) != 1)
 		return;
-	tau[0] = dag_add(d, tau[0], dag_mul(d, dag_within(d, within_mul(square, request->armature[body])),
-		source_row(d, &r->in.qdd, k->iv)));
-	tau[0] = dag_add(d, tau[0], dag_mul(d, dag_within(d, within_mul(square, request->damping[body])),
-		source_row(d, &r->in.qd, k->iv)));
+	tau[0] = dag_add(d, tau[0], dag_mul(d, own_term(r, OWN_ARMATURE, body, square), source_row(d, &r->in.qdd, k->iv)));
+	tau[0] = dag_add(d, tau[0], dag_mul(d, own_term(r, OWN_DAMPING, body, square), source_row(d, &r->in.qd, k->iv)));
 	if (size.x < 0)
 		size = within_neg(size);
-	if (request->friction[body].x != 0 && size.x != 0)
-		tau[0] = dag_add(d, tau[0], smooth_friction(d, within_mul(size, request->friction[body]),
-			source_row(d, &r->in.qd, k->iv), within_div(request->friction_width, size)));
+	friction = own_term(r, OWN_FRICTION, body, size);
+	if (friction.i)
+		tau[0] = dag_add(d, tau[0], smooth_friction(d, friction, source_row(d, &r->in.qd, k->iv),
+			within_div(r->request->friction_width, size)));
 }
 
 static struct ref along_qd(void *context, int argument, int row)

@@ -9,21 +9,6 @@ static void entered(const struct tour *r, int body)
 	want_pull(r, body);
 }
 
-/* The same robot in the numbers of the residual, whose inputs are read anew. */
-static int again(struct build *wide, const struct build *b)
-{
-	struct arena *a = b->d->arena;
-
-	*wide = *b;
-	wide->offset = arena_alloc(a, (size_t)b->t->nq, sizeof *wide->offset);
-	wide->gravity = arena_alloc(a, 3, sizeof *wide->gravity);
-	wide->parameters = arena_alloc(a, (size_t)b->t->body_count, sizeof(struct parameters *));
-	if (a->failed)
-		return 0;
-	want_constants(wide);
-	return 1;
-}
-
 /* tau - ID(q, qd, qdd) in place of qdd, rounded to the text's numbers. */
 static void residual(struct forward *x, struct build *b, struct joint_inputs in, struct ref *qdd)
 {
@@ -48,12 +33,12 @@ void refine_step(struct forward *x, struct joint_inputs in)
 {
 	struct dag *d = x->b->d;
 	int nv = x->b->t->nv;
-	struct build wide;
+	struct build wide = *x->b;
 	struct ref *more = arena_alloc(d->arena, (size_t)nv, sizeof *more);
 
 	dag_section(d, SECTION_RESIDUAL, 0);
 	d->is_wide = x->b->k->refine != REFINE_SAME;
-	if (!more || !again(&wide, x->b)) {
+	if (!more || !want_constants(&wide)) { /* inputs are read anew, in the numbers of the residual */
 		d->failed = 1;
 		return;
 	}

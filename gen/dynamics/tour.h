@@ -30,6 +30,7 @@ struct tour {
 	int at_rest;                            /* velocities and accelerations are zero */
 	const struct ref *gravity;              /* three; NULL: the tree's */
 	struct parameters *const *parameters;   /* by body, of those whose parameters are no numbers; NULL: none */
+	struct ref *const *own;                 /* by enum own_term and body, of those that are inputs; NULL: none */
 	/* called where they are not NULL: before the tour; when a body has been entered and has its own wrench; before it is
 	   left, when it has the wrench of its subtree; after that; and to add to the torques of a body's joint */
 	void (*world)(const struct tour *r);
@@ -58,6 +59,8 @@ struct svec at_rest_moment(struct dag *d, const struct frame *x); /* C */
 
 /* Adds rotor inertia and friction to the torques of a body's joint, as the request says. */
 void own_terms(const struct tour *r, int body, struct ref *tau);
+/* A factor times such a term, of a body whose joint has one row. */
+struct ref own_term(const struct tour *r, enum own_term term, int body, struct within factor);
 /* What these terms of a joint with one row are by qd. */
 struct ref own_rate(const struct tour *r, int body);
 

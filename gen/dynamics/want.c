@@ -20,62 +20,6 @@ static struct source source(struct dag *d, int input, const struct row *rows, in
 	return (struct source){.argument = request_has_all(rows, count) ? -1 : declare(d, INPUTS[input], count), .given = rows};
 }
 
-static struct parameters *parameters_of(struct build *b, int body)
-{
-	struct parameters *p = b->parameters[body];
-
-	if (p)
-		return p;
-	p = b->parameters[body] = arena_alloc(b->d->arena, 1, sizeof *p);
-	if (p)
-		*p = rigid_body_parameters(b->d, &b->t->bodies[body].inertia);
-	return p;
-}
-
-static void add_inertia(struct build *b, const struct freed *f, int argument)
-{
-	struct parameters *p = parameters_of(b, f->body);
-
-	if (!p)
-		return;
-	if (f->kind == FREED_MASS)
-		rigid_body_add(b->d, p, dag_const(b->d, 1), &f->massless);
-	for (int r = 0; r < f->rows; r++)
-		rigid_body_add(b->d, p, dag_input(b->d, argument, r), &f->columns[r]);
-}
-
-/* "hand" of "payload.hand"; "" of "gravity". */
-static const char *after_point(const char *word)
-{
-	const char *point = strchr(word, '.');
-
-	return point ? point + 1 : "";
-}
-
-void want_constants(struct build *b)
-{
-	static const enum role roles[] = {[FREED_GRAVITY] = ROLE_GRAVITY, [FREED_MASS] = ROLE_LINK_MASS,
-		[FREED_INERTIA] = ROLE_LINK_INERTIA, [FREED_PAYLOAD] = ROLE_LINK_PAYLOAD, [FREED_OFFSET] = ROLE_JOINT_OFFSET};
-
-	for (int i = 0; i < 3; i++)
-		b->gravity[i] = dag_within(b->d, b->t->gravity[i]);
-	for (int i = 0; i < b->k->freed_count; i++) {
-		const struct freed *f = &b->k->freed[i];
-		int argument = dag_find_argument(b->d, f->argument);
-
-		if (argument < 0)
-			argument = dag_argument_of(b->d,
-				(struct argument){.name = f->argument, .rows = f->rows, .per_batch = f->per_batch,
-				.role = roles[f->kind], .of = after_point(f->word)});
-		if (f->kind == FREED_OFFSET)
-			b->offset[b->t->bodies[f->body].iq] = dag_input(b->d, argument, 0);
-		else if (f->kind != FREED_GRAVITY)
-			add_inertia(b, f, argument);
-		for (int r = 0; r < 3 && f->kind == FREED_GRAVITY; r++)
-			b->gravity[r] = dag_input(b->d, argument, r);
-	}
-}
-
 /* ---- the whole ---- */
 
 /* tau . qd */
@@ -148,7 +92,7 @@ static void begin_recursion(struct build *b, const struct tour *r)
 struct tour want_tour(struct build *b, struct joint_inputs in)
 {
 	return (struct tour){.d = b->d, .t = b->t, .request = b->k, .in = in, .f_in = -1, .v_out = -1, .a_out = -1,
-		.f_out = -1, .tau_out = -1, .gravity = b->gravity, .parameters = b->parameters, .context = b};
+		.f_out = -1, .tau_out = -1, .gravity = b->gravity, .parameters = b->parameters, .own = b->own, .context = b};
 }
 
 /* The torques of gravity and velocities, without what the scene adds: a tour of its own. */
@@ -301,9 +245,6 @@ static int alloc(struct build *b)
 {
 	struct arena *a = b->d->arena;
 
-	b->offset = arena_alloc(a, (size_t)b->t->nq, sizeof *b->offset);
-	b->gravity = arena_alloc(a, 3, sizeof *b->gravity);
-	b->parameters = arena_alloc(a, (size_t)b->t->body_count, sizeof(struct parameters *));
 	b->pushed = arena_alloc(a, (size_t)b->k->push_count, sizeof *b->pushed);
 	b->outputs = arena_alloc(a, (size_t)b->k->want_count, sizeof *b->outputs);
 	b->done = arena_alloc(a, (size_t)b->k->want_count, 1);
@@ -316,7 +257,7 @@ static struct argument output(const struct request *k, const struct want *w)
 
 	return (struct argument){.name = w->argument, .rows = w->rows, .is_output = 1, .role = type->role,
 		.of = want_is(w->kind, OF_FREED) ? k->freed[w->body].word : w->kind == WANT_JVP ? k->jvp.words
-			: after_point(w->word)};
+			: want_of(w->word)};
 }
 
 /* Inputs of the request, besides q, qd and qdd and what is freed; then its outputs. */
@@ -324,7 +265,7 @@ static void declare_request(const struct build *b)
 {
 	for (int i = 0; i < b->k->push_count; i++)
 		b->pushed[i] = dag_argument_of(b->d, (struct argument){.name = b->k->pushes[i].argument, .rows = 6,
-			.role = ROLE_LINK_WRENCH, .of = after_point(b->k->pushes[i].word)});
+			.role = ROLE_LINK_WRENCH, .of = want_of(b->k->pushes[i].word)});
 	product_declare(b);
 	for (int i = 0; i < b->k->stored_count; i++)
 		b->outputs[i] = dag_argument_of(b->d, output(b->k, &b->k->wants[i]));
@@ -362,14 +303,16 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 		return;
 	}
 	dag_section(d, SECTION_FREED, 0);
-	in = (struct joint_inputs){.q = source(d, INPUT_Q, k->q, t->nq), .offset = b.offset};
+	in = (struct joint_inputs){.q = source(d, INPUT_Q, k->q, t->nq)};
 	in.by_halves = k->is_motion && k->pose == POSE_QUATERNION && request_wants(k, WANT_POSE);
 	in.qd = source(d, INPUT_QD, k->qd, t->nv);
 	if (k->is_forward)
 		forward.torques = source(d, INPUT_TAU, k->tau, t->nv);
 	else
 		in.qdd = source(d, INPUT_QDD, k->qdd, t->nv);
-	want_constants(&b);
+	if (!want_constants(&b))
+		return;
+	in.offset = b.offset;
 	declare_request(&b);
 	if (is_single(&b))
 		forward_declare_columns(d, ways.loops);

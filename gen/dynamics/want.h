@@ -14,6 +14,7 @@ struct build {
 	const struct request *k;
 	struct ref *offset, *gravity;
 	struct parameters **parameters;
+	struct ref *own[OWN_TERMS]; /* by body; as the tour's */
 	int *pushed, *outputs; /* arguments, by push and by want */
 	char *done;            /* by want: the recursion writes it */
 	struct ref kinetic;
@@ -48,9 +49,12 @@ int want_is_recursive(const struct tree *t, const struct request *k, enum deriva
 /* A tour of the scene's robot, with what it frees and gravity as it has it. */
 struct tour want_tour(struct build *b, struct joint_inputs in);
 
-/* Gravity, offsets and parameters of bodies: the tree's, and what the scene frees as arguments, which are declared the first
-   time. */
-void want_constants(struct build *b);
+/* Gravity, offsets, parameters of bodies and joints' own terms: the tree's, and what the scene frees as arguments, which are
+   declared the first time. Returns 0 when memory runs out. */
+int want_constants(struct build *b);
+
+/* "hand" of "payload.hand"; "" of "gravity". */
+const char *want_of(const char *word);
 
 /* Where bodies are, in b->places, with what is wanted of that. */
 void want_places(struct build *b, struct joint_inputs in);

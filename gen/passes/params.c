@@ -49,7 +49,7 @@ static enum rneagen_code look_at_request(const struct analysis *a, char *keeps, 
 	if (!pass_request_resolve(&x)) {
 		*worth = worth_of(k, &a->options);
 		for (int i = 0; i < k->freed_count; i++)
-			if (k->freed[i].kind != FREED_GRAVITY && k->freed[i].kind != FREED_OFFSET)
+			if (k->freed[i].columns)
 				keeps[k->freed[i].body] = 1;
 		for (int i = 0; i < k->want_count; i++)
 			if (k->wants[i].kind == WANT_WRENCH)

@@ -103,8 +103,7 @@ int request_find_body(const struct resolver *x, const struct scene_choice *c, co
 
 /* ---- fold ---- */
 
-/* Has an earlier line said the same of this name? Of two values, none would be the last word. */
-static int is_said(const struct resolver *x, const struct scene_choice *c)
+int request_is_said(const struct resolver *x, const struct scene_choice *c)
 {
 	for (const struct scene_choice *k = NULL; (k = scene_next(x->s, c->key, k)) && k != c;)
 		if (!strcmp(k->name, c->name))
@@ -152,7 +151,7 @@ static enum rneagen_code fold(const struct resolver *x, const struct scene_choic
 
 	if (kind < 0)
 		return x->e->code;
-	if (is_said(x, c))
+	if (request_is_said(x, c))
 		return scene_refuse(x->s, c, x->e, "'%.255s' is given already", c->name);
 	if (kind == GRAVITY) {
 		if (scene_numbers(x->s, c, gravity, 3, x->e))
@@ -173,7 +172,7 @@ static enum rneagen_code fold(const struct resolver *x, const struct scene_choic
 		is_q ? joint_nq(t->bodies[body].type) : joint_nv(t->bodies[body].type), !is_q || !has_quaternion(t, body));
 }
 
-/* ---- forces from outside, terms of the joints' own ---- */
+/* ---- forces from outside ---- */
 
 static enum rneagen_code push(const struct resolver *x, const struct scene_choice *c)
 {
@@ -182,60 +181,13 @@ static enum rneagen_code push(const struct resolver *x, const struct scene_choic
 
 	if (link < 0)
 		return x->e->code;
-	if (is_said(x, c))
+	if (request_is_said(x, c))
 		return scene_refuse(x->s, c, x->e, "the wrench on '%.255s' is an input already", c->name);
 	text_init(&word, x->a);
 	text_printf(&word, "fext.%s", c->name);
 	x->k->pushes[x->k->push_count] = (struct push){
 		text_string(&word), request_argument(x, text_string(&word)), x->t->links[link].body, x->t->links[link].X};
 	x->k->push_count++;
-	return RNEAGEN_OK;
-}
-
-static enum rneagen_code set_armature(const struct resolver *x, const struct scene_choice *c)
-{
-	struct within value;
-	int body = request_find_body(x, c, c->name);
-
-	if (body < 0 || scene_numbers(x->s, c, &value, 1, x->e))
-		return x->e->code;
-	if (is_said(x, c))
-		return scene_refuse(x->s, c, x->e, "the armature of '%.255s' is given already", c->name);
-	if (joint_nv(x->t->bodies[body].type) != 1)
-		return scene_refuse(x->s, c, x->e, "an armature belongs to a joint with one row in qd, which '%.255s' is not",
-			c->name);
-	if (value.x < 0)
-		return scene_refuse(x->s, c, x->e, "an armature of %g kg m^2 is less than nothing", (double)value.x);
-	x->k->armature[body] = value;
-	return RNEAGEN_OK;
-}
-
-/* From the URDF's <dynamics>. */
-static void set_dynamics(const struct resolver *x, struct within *by_body, int is_friction)
-{
-	for (int i = 0; i < x->t->body_count; i++) {
-		int j = robot_joint(x->r, x->t->bodies[i].joint);
-
-		if (j >= 0 && joint_nv(x->t->bodies[i].type) == 1)
-			by_body[i] = is_friction ? x->r->joints[j].friction : x->r->joints[j].damping;
-	}
-}
-
-/* Its square, and that of a hundred thousandth of it, a follower's, has to be a normal float. */
-#define LEAST_WIDTH 1e-12
-
-/* The width, in rad/s or m/s, is the velocity at which friction has grown to 1/sqrt(2) of its size. */
-static enum rneagen_code set_friction(const struct resolver *x, const struct scene_choice *c)
-{
-	struct within width = within_decimal(0.01, 0.01L);
-
-	if (c->value && scene_numbers(x->s, c, &width, 1, x->e))
-		return x->e->code;
-	if (!(width.x >= LEAST_WIDTH))
-		return scene_refuse(x->s, c, x->e, "a width of %g rad/s or m/s is none: friction must be smooth, in f32 too, "
-			"so at least %g", (double)width.x, LEAST_WIDTH);
-	x->k->friction_width = width;
-	set_dynamics(x, x->k->friction, 1);
 	return RNEAGEN_OK;
 }
 
@@ -285,9 +237,8 @@ static int alloc(struct resolver *x)
 	k->vjp.of = arena_alloc(a, most, sizeof *k->vjp.of);
 	k->frames = arena_alloc(a, most, sizeof *k->frames);
 	k->ranges = arena_alloc(a, most, sizeof *k->ranges);
-	k->armature = arena_alloc(a, nb, sizeof *k->armature);
-	k->damping = arena_alloc(a, nb, sizeof *k->damping);
-	k->friction = arena_alloc(a, nb, sizeof *k->friction);
+	for (int i = 0; i < OWN_TERMS; i++)
+		k->own[i] = arena_alloc(a, nb, sizeof *k->own[i]);
 	return !a->failed;
 }
 
@@ -355,14 +306,10 @@ enum rneagen_code request_resolve(struct request *k, struct tree *t, const struc
 		x.k->dynamics = !strcmp(way->value, "factor") ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED;
 	x.k->in_world = frame && !strcmp(frame->value, "world");
 	request_forms(&x);
-	if (each(&x, SCENE_ADD_FRAME, request_add_frame) || each(&x, SCENE_FOLD, fold) ||
-		each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) ||
-		each(&x, SCENE_ARMATURE, set_armature) || each(&x, SCENE_FRICTION, set_friction) ||
-		each(&x, SCENE_WANT, request_want) || request_products(&x) || check_arrays(&x) ||
+	if (each(&x, SCENE_ADD_FRAME, request_add_frame) || each(&x, SCENE_FOLD, fold) || request_own_terms(&x) ||
+		each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) || each(&x, SCENE_WANT, request_want) || request_products(&x) || check_arrays(&x) ||
 		each(&x, SCENE_RANGE, request_range))
 		return e->code;
-	if (scene_next(x.s, SCENE_DAMPING, NULL))
-		set_dynamics(&x, x.k->damping, 0);
 	if (!x.k->want_count)
 		x.k->wants[x.k->want_count++] = (struct want){.kind = WANT_TAU, .word = "tau", .argument = "tau", .rows = t->nv};
 	if (!x.k->stored_count)

@@ -14,8 +14,12 @@ struct row {
 	struct within value;
 };
 
-enum freed_kind { FREED_GRAVITY, FREED_MASS, FREED_INERTIA, FREED_PAYLOAD, FREED_OFFSET };
-enum { FREED_ROWS = 10 };
+/* What a joint with one row in qd bears beside the links; a follower has its own, too. */
+enum own_term { OWN_ARMATURE, OWN_DAMPING, OWN_FRICTION, OWN_TERMS };
+
+/* The last ones are the joints' own terms, in their order. */
+enum freed_kind { FREED_GRAVITY, FREED_MASS, FREED_INERTIA, FREED_PAYLOAD, FREED_OFFSET, FREED_OWN };
+enum { FREED_KINDS = FREED_OWN + OWN_TERMS, FREED_ROWS = 10 };
 
 /* A constant that becomes an input. Mass, inertia and payload are linear in the body's ten inertial parameters. */
 struct freed {
@@ -23,8 +27,8 @@ struct freed {
 	const char *word;     /* as the scene has it: "payload.hand" */
 	const char *argument; /* as the text has it: "payload_hand" */
 	int rows, per_batch;
-	int body;                    /* that carries the link, or that the joint moves */
-	real nominal[FREED_ROWS];    /* what the URDF says */
+	int body;                    /* that carries the link, or that the joint moves; -1: all joints, in rows of qd */
+	real *nominal;               /* by row: what the URDF says */
 	struct inertia *columns;     /* in the body frame, what a unit of each row adds */
 	struct inertia massless;        /* a link's inertia about its centre, which its mass does not change */
 };
@@ -120,7 +124,7 @@ struct request {
 	int refine_steps;           /* of the qdd found */
 	enum refine refine;
 	enum derivatives derivatives; /* how d tau/d q and d tau/d qd are made */
-	struct within *armature, *damping, *friction; /* by body: of a joint with one row; kg m^2 (kg), N m s (N s/m), N m (N) */
+	struct within *own[OWN_TERMS]; /* by body; kg m^2 (kg), N m s (N s/m), N m (N) */
 	struct within friction_width;         /* rad/s, m/s */
 };
 

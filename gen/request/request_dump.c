@@ -50,9 +50,9 @@ void request_dump(const struct request *k, const struct tree *t, struct text *ou
 	dump_given("qdd", k->qdd, t->nv, out);
 	dump_given("tau", k->tau, t->nv, out);
 	dump_inputs(k, t, out);
-	dump_own_terms("armature", k->armature, t, out);
-	dump_own_terms("damping", k->damping, t, out);
-	dump_own_terms("friction", k->friction, t, out);
+	dump_own_terms("armature", k->own[OWN_ARMATURE], t, out);
+	dump_own_terms("damping", k->own[OWN_DAMPING], t, out);
+	dump_own_terms("friction", k->own[OWN_FRICTION], t, out);
 	for (int i = k->stored_count; i < k->want_count; i++)
 		text_printf(out, "made \"%s\"[%d] for products\n", k->wants[i].word, k->wants[i].rows);
 	for (int i = 0; i < k->stored_count; i++)

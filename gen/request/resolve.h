@@ -38,6 +38,9 @@ int request_find_body(const struct resolver *x, const struct scene_choice *c, co
 enum rneagen_code request_find_frame(const struct resolver *x, const struct scene_choice *c, const char *name, int *body,
 	struct placement *X);
 
+/* Has an earlier line said the same of this name? Of two values, none would be the last word. */
+int request_is_said(const struct resolver *x, const struct scene_choice *c);
+
 /* How poses are written, and in which frame Jacobians are. */
 void request_forms(const struct resolver *x);
 
@@ -59,8 +62,14 @@ int request_is_same(const struct want *a, const struct want *b);
 /* All choices of `jvp`, `vjp` and `by`, after those of `free`, `fext` and `want`. */
 enum rneagen_code request_products(const struct resolver *x);
 
-/* A choice of `free`. */
+/* What joints bear of themselves, as `armature`, `damping` and `friction` say; and such a term as an input, of one joint or of
+   all, whose kind and word are set. */
+enum rneagen_code request_own_terms(const struct resolver *x);
+enum rneagen_code request_free_own(const struct resolver *x, const struct scene_choice *c, struct freed *f);
+
+/* A choice of `free`; and room for what the URDF says of its rows, zeros. Returns 0 when memory runs out. */
 enum rneagen_code request_free(const struct resolver *x, const struct scene_choice *c);
+int request_alloc_nominal(struct freed *f, const struct resolver *x);
 
 /* A choice of `range`, after all others. */
 enum rneagen_code request_range(const struct resolver *x, const struct scene_choice *c);

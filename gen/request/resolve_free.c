@@ -2,6 +2,12 @@
 #include "request/resolve.h"
 #include <string.h>
 
+int request_alloc_nominal(struct freed *f, const struct resolver *x)
+{
+	f->nominal = arena_alloc(x->a, (size_t)f->rows, sizeof *f->nominal);
+	return f->nominal != NULL;
+}
+
 /* What a unit of row r of a link's inertia, at X in the body, adds to the body's: mass; first moments; xx xy xz yy yz zz.
    h' = R h + m p,  I' = R I R^T + 2 (p . R h) 1 - R h p^T - p (R h)^T + m (p . p 1 - p p^T). */
 static struct inertia unit_inertia(const struct placement *X, int r)
@@ -62,7 +68,7 @@ static enum rneagen_code free_link(const struct resolver *x, const struct scene_
 	f->body = at->body;
 	f->rows = f->kind == FREED_MASS ? 1 : FREED_ROWS;
 	f->columns = arena_alloc(x->a, (size_t)f->rows, sizeof *f->columns);
-	if (!f->columns)
+	if (!f->columns || !request_alloc_nominal(f, x))
 		return error_memory(x->e);
 	if (f->kind == FREED_MASS) {
 		f->columns[0] = own_inertia(&x->r->links[link], &at->X, within_exact(1), 0);
@@ -84,13 +90,25 @@ static enum rneagen_code free_offset(const struct resolver *x, const struct scen
 	f->rows = 1;
 	if (f->body < 0)
 		return x->e->code;
+	if (!request_alloc_nominal(f, x))
+		return error_memory(x->e);
 	if (x->t->bodies[f->body].follower || joint_nq(x->t->bodies[f->body].type) != 1)
 		return scene_refuse(x->s, c, x->e, "an offset belongs to a joint with one row in q, which '%.255s' is not",
 			strchr(c->name, '.') + 1);
 	return RNEAGEN_OK;
 }
 
-/* A link's mass and its inertia, which has the mass in it, cannot both be free. */
+static enum rneagen_code free_gravity(const struct resolver *x, struct freed *f)
+{
+	f->rows = 3;
+	if (!request_alloc_nominal(f, x))
+		return error_memory(x->e);
+	for (int i = 0; i < 3; i++)
+		f->nominal[i] = x->t->gravity[i].x;
+	return RNEAGEN_OK;
+}
+
+/* A link's mass and its inertia, which has the mass in it, cannot both be free, nor a joint's term and that of all joints. */
 static enum rneagen_code check_free(const struct resolver *x, const struct scene_choice *c, const struct freed *f)
 {
 	for (int i = 0; i < x->k->freed_count; i++) {
@@ -101,6 +119,9 @@ static enum rneagen_code check_free(const struct resolver *x, const struct scene
 
 		if (!strcmp(f->word, other->word))
 			return scene_refuse(x->s, c, x->e, "'%.255s' is free already", f->word);
+		if (f->kind == other->kind && (!a || !b))
+			return scene_refuse(x->s, c, x->e, "'%.255s' is part of '%.255s': free one of them", a ? f->word : other->word,
+				a ? other->word : f->word);
 		if (both && !strcmp(a, b))
 			return scene_refuse(x->s, c, x->e, "the mass is part of the inertia: free one of '%.255s' and '%.255s'",
 				f->word, other->word);
@@ -111,23 +132,25 @@ static enum rneagen_code check_free(const struct resolver *x, const struct scene
 enum rneagen_code request_free(const struct resolver *x, const struct scene_choice *c)
 {
 	static const struct kind_word kinds[] = {[FREED_GRAVITY] = {"gravity", 0}, [FREED_MASS] = {"mass", 1},
-		[FREED_INERTIA] = {"inertia", 1}, [FREED_PAYLOAD] = {"payload", 1}, [FREED_OFFSET] = {"offset", 1}};
+		[FREED_INERTIA] = {"inertia", 1}, [FREED_PAYLOAD] = {"payload", 1}, [FREED_OFFSET] = {"offset", 1},
+		[FREED_OWN + OWN_ARMATURE] = {"armature", 0}, [FREED_OWN + OWN_DAMPING] = {"damping", 0},
+		[FREED_OWN + OWN_FRICTION] = {"friction", 0}, [FREED_KINDS + OWN_ARMATURE] = {"armature", 1},
+		[FREED_KINDS + OWN_DAMPING] = {"damping", 1}, [FREED_KINDS + OWN_FRICTION] = {"friction", 1}};
 	int kind = request_find_kind(x, c, kinds, sizeof kinds / sizeof *kinds);
 	struct freed f = {.word = c->name};
 
 	if (kind < 0)
 		return x->e->code;
-	f.kind = (enum freed_kind)kind;
+	f.kind = (enum freed_kind)(kind < FREED_KINDS ? kind : kind - OWN_TERMS);
 	f.per_batch = c->value ? !strcmp(c->value, "batch") : f.kind != FREED_PAYLOAD;
-	if (f.kind == FREED_GRAVITY) {
-		f.rows = 3;
-		for (int i = 0; i < 3; i++)
-			f.nominal[i] = x->t->gravity[i].x;
-	} else if (f.kind == FREED_OFFSET) {
+	if (f.kind >= FREED_OWN)
+		request_free_own(x, c, &f);
+	else if (f.kind == FREED_GRAVITY)
+		free_gravity(x, &f);
+	else if (f.kind == FREED_OFFSET)
 		free_offset(x, c, &f);
-	} else {
+	else
 		free_link(x, c, &f);
-	}
 	if (x->e->code || check_free(x, c, &f))
 		return x->e->code;
 	f.argument = request_argument(x, c->name);

@@ -5,18 +5,19 @@
 #include <string.h>
 
 enum kind { KIND_Q, KIND_QD, KIND_QDD, KIND_TAU, KIND_Q_OF, KIND_QD_OF, KIND_QDD_OF, KIND_TAU_OF, KIND_GRAVITY,
-	KIND_MASS, KIND_INERTIA, KIND_PAYLOAD, KIND_OFFSET, KIND_FEXT, KIND_JVP, KIND_VJP };
+	KIND_MASS, KIND_INERTIA, KIND_PAYLOAD, KIND_OFFSET, KIND_ARMATURE, KIND_DAMPING, KIND_FRICTION, KIND_ARMATURES, KIND_DAMPINGS,
+	KIND_FRICTIONS, KIND_FEXT, KIND_JVP, KIND_VJP };
 
 static const struct kind_word KINDS[] = {[KIND_Q] = {"q", 0}, [KIND_QD] = {"qd", 0}, [KIND_QDD] = {"qdd", 0},
 	[KIND_TAU] = {"tau", 0}, [KIND_Q_OF] = {"q", 1}, [KIND_QD_OF] = {"qd", 1}, [KIND_QDD_OF] = {"qdd", 1},
 	[KIND_TAU_OF] = {"tau", 1}, [KIND_GRAVITY] = {"gravity", 0}, [KIND_MASS] = {"mass", 1},
 	[KIND_INERTIA] = {"inertia", 1}, [KIND_PAYLOAD] = {"payload", 1}, [KIND_OFFSET] = {"offset", 1},
+	[KIND_ARMATURE] = {"armature", 1}, [KIND_DAMPING] = {"damping", 1}, [KIND_FRICTION] = {"friction", 1},
+	[KIND_ARMATURES] = {"armature", 0}, [KIND_DAMPINGS] = {"damping", 0}, [KIND_FRICTIONS] = {"friction", 0},
 	[KIND_FEXT] = {"fext", 1}, [KIND_JVP] = {"jvp_v", 0}, [KIND_VJP] = {"vjp_v", 0}};
 
-/* What makes an input of these. */
-static const char *const MAKERS[] = {[KIND_GRAVITY] = "--free", [KIND_MASS] = "--free", [KIND_INERTIA] = "--free",
-	[KIND_PAYLOAD] = "--free", [KIND_OFFSET] = "--free", [KIND_FEXT] = "--fext", [KIND_JVP] = "--want jvp",
-	[KIND_VJP] = "--want vjp"};
+/* What makes an input of these; of the others --free. */
+static const char *const MAKERS[] = {[KIND_FEXT] = "--fext", [KIND_JVP] = "--want jvp", [KIND_VJP] = "--want vjp"};
 
 /* "gravity[2]" without its row, which is returned; -1 where there is none. A joint or link may be called so itself. */
 static int split_row(const struct resolver *x, struct scene_choice *c)
@@ -67,7 +68,7 @@ static enum rneagen_code refuse_input(const struct resolver *x, const struct sce
 		return error_memory(x->e);
 	if (meant)
 		return scene_refuse(x->s, c, x->e, "'%.255s' is no input of this scene; did you mean '%.255s'?", c->name, meant);
-	return scene_refuse(x->s, c, x->e, "'%.255s' is no input of this scene; %s%s%.255s makes it one", c->name, MAKERS[kind],
+	return scene_refuse(x->s, c, x->e, "'%.255s' is no input of this scene; %s%s%.255s makes it one", c->name, MAKERS[kind] ? MAKERS[kind] : "--free",
 		kind < KIND_JVP ? " " : "", kind < KIND_JVP ? what : "");
 }
 
@@ -76,7 +77,7 @@ static enum rneagen_code find_other(
 {
 	const struct request *k = x->k;
 
-	for (int i = 0; i < k->freed_count && kind <= KIND_OFFSET; i++)
+	for (int i = 0; i < k->freed_count && kind < KIND_FEXT; i++)
 		if (!strcmp(k->freed[i].word, c->name))
 			*r = (struct request_range){.argument = k->freed[i].argument, .count = k->freed[i].rows};
 	for (int i = 0; i < k->push_count && kind == KIND_FEXT; i++)

@@ -1,4 +1,5 @@
 #include "scene/outcome.h"
+#include <string.h>
 
 static void list_held(struct outcome *x, const struct selection *c, const struct robot *r)
 {
@@ -30,6 +31,18 @@ static void list_cut(struct outcome_cut *x, const struct selection *c, const str
 			x->joints[x->joint_count++] = r->joints[j].name;
 }
 
+/* Does --free make such a term of a joint an input, alone or with all others? */
+static int is_freed(const struct scene *s, const char *term, const struct joint *j)
+{
+	size_t length = strlen(term);
+
+	for (const struct scene_choice *c = NULL; (c = scene_next(s, SCENE_FREE, c));)
+		if (!strcmp(c->name, term) ||
+			(!strncmp(c->name, term, length) && c->name[length] == '.' && !strcmp(c->name + length + 1, j->name)))
+			return 1;
+	return 0;
+}
+
 static void list_ignored(struct outcome_ignored *x, const struct scene *s, const struct selection *c, const struct robot *r)
 {
 	int damping = !scene_next(s, SCENE_DAMPING, NULL), friction = !scene_next(s, SCENE_FRICTION, NULL);
@@ -39,9 +52,9 @@ static void list_ignored(struct outcome_ignored *x, const struct scene *s, const
 
 		if (!selection_moves(c, r, i))
 			continue;
-		if (damping && j->has_dynamics && j->damping.x != 0)
+		if (damping && j->has_dynamics && j->damping.x != 0 && !is_freed(s, "damping", j))
 			x->damping[x->damping_count++] = j->name;
-		if (friction && j->has_dynamics && j->friction.x != 0)
+		if (friction && j->has_dynamics && j->friction.x != 0 && !is_freed(s, "friction", j))
 			x->friction[x->friction_count++] = j->name;
 		if (j->has_limits)
 			x->limits[x->limit_count++] = j->name;

@@ -18,9 +18,9 @@ static int has_bodies(const struct analysis *a)
 static int has_friction(const struct analysis *a)
 {
 	for (int i = 0; i < a->tree.body_count; i++)
-		if (a->request.friction[i].x != 0)
+		if (a->request.own[OWN_FRICTION][i].x != 0)
 			return 1;
-	return 0;
+	return dag_find_role(&a->dag, ROLE_JOINT_FRICTION, 0) >= 0 || dag_find_role(&a->dag, ROLE_FRICTION, 0) >= 0;
 }
 
 const struct assumption ASSUMPTIONS[ASSUMPTION_COUNT] = {

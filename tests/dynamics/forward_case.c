@@ -119,11 +119,14 @@ static void feed_state(const struct forward_case *f, const char *name, real *to)
 /* Frees, then pushes, as they were said. */
 static void feed_others(const struct forward_case *f, int first, real (*in)[ROWS])
 {
+	double value[ROWS];
+
 	for (int pushes = 0; pushes < 2; pushes++)
 		for (int i = 0; i < f->c->in_count; i++)
 			if (f->c->in[i].is_push == pushes) {
+				case_feed_in(f->c, &f->c->in[i], &f->m.tree, value);
 				for (int k = 0; k < f->c->in[i].rows; k++)
-					in[first][k] = (real)f->c->in[i].value[k];
+					in[first][k] = (real)value[k];
 				first++;
 			}
 }

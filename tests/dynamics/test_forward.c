@@ -193,18 +193,53 @@ static void add_mass(const struct task_case *c, int entry, wide *p)
 	}
 }
 
-static void torques_with(struct task_case *c, const struct forward_case *f, const char *word, int row, wide *tau)
+/* Whose term a row is: that of a joint that is named, or that has the row alone; -1: nobody's. */
+static int entry_of_own(const struct forward_case *f, const struct task_in *in, int row)
 {
+	const struct reference *r = f->c->r;
+
+	if (!in->is_of_all)
+		return entry_named(r, strchr(in->word, '.') + 1);
+	for (int e = 0; e < r->nj; e++)
+		if (r->joints[e].nq == 1 && r->joints[e].iv == f->from[row])
+			return e;
+	return -1;
+}
+
+static void torques_with_own(const struct forward_case *f, const struct task_in *in, enum task_term term, int row, wide *tau)
+{
+	int entry = entry_of_own(f, in, row);
+
+	if (entry >= 0) {
+		*case_own(f->c, term, entry) += 1;
+		reference_set_own(f->c->r, entry, &f->c->own[entry]);
+	}
+	reference_rnea_wide(f->c->r, f->q, f->qd, f->qdd, tau);
+	if (entry >= 0) {
+		*case_own(f->c, term, entry) -= 1;
+		reference_set_own(f->c->r, entry, &f->c->own[entry]);
+	}
+}
+
+static void torques_with(struct task_case *c, const struct forward_case *f, const struct task_in *in, int row, wide *tau)
+{
+	const char *word = in->word;
+	enum task_term term;
 	const char *name = strchr(word, '.') ? strchr(word, '.') + 1 : "";
-	int entry = *name ? entry_of_link(c, name) : 0;
+	int entry;
 	wide was[10], p[10];
 
+	if (task_is_own(in, &term)) {
+		torques_with_own(f, in, term, row, tau);
+		return;
+	}
 	if (!strcmp(word, "gravity")) {
 		c->r->gravity[row] += 1;
 		reference_rnea_wide(c->r, f->q, f->qd, f->qdd, tau);
 		c->r->gravity[row] -= 1;
 		return;
 	}
+	entry = entry_of_link(c, name);
 	reference_inertia(c->r, entry, was);
 	memcpy(p, was, sizeof p);
 	if (!strncmp(word, "mass.", 5))
@@ -237,7 +272,7 @@ static int check_freed(struct forward_case *f, int which)
 	reference_rnea_wide(f->c->r, f->q, f->qd, f->qdd, tau);
 	for (int k = 0; k < in->rows; k++) {
 		if (!is_offset)
-			torques_with(f->c, f, in->word, k, with);
+			torques_with(f->c, f, in, k, with);
 		for (int i = 0; i < f->nv; i++) {
 			wide sum = 0, size = 1;
 

@@ -18,7 +18,7 @@ struct forward_case {
 	wide q[ROWS], qd[ROWS], tau[ROWS];      /* all rows of the reference; q with the freed offsets */
 	double v[3 * MOST], lambda[MOST];
 	real out[OUTS][MOST * 3 * MOST];
-	real freed[TASK_WORDS][MOST * 10];      /* by input of the task: d qdd by it */
+	real freed[TASK_WORDS][MOST * MOST];    /* by input of the task: d qdd by it */
 	wide *X, *D[4], qdd[ROWS];              /* M^-1; D: d qdd by q, by qd, d tau by q, by qd; [nv][nv] of the reference */
 	wide pivot;                             /* the least of the scaled M; 0: singular */
 };

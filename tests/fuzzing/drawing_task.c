@@ -55,15 +55,15 @@ static int ends_like_rate(const char *name)
 /* A constant, and maybe the derivative by it. */
 static void draw_free(struct drawing *g)
 {
-	const char *word = DICE_WORD(g->d, "payload", "mass", "inertia", "offset", "gravity"), *name = NULL;
+	const char *word = DICE_WORD(g->d, "payload", "mass", "inertia", "offset", "gravity", "armature", "damping", "friction"), *name = NULL;
 	const struct body *k = draw_body(g, 1);
+	int is_own = *word == 'a' || *word == 'd' || *word == 'f', has_name = !is_own || dice_happen(g->d, 2);
 	struct text t = drawing_text(g), d = drawing_text(g), by = drawing_text(g);
 
-	if (!strcmp(word, "offset"))
-		name = k ? k->joint : NULL;
-	else if (strcmp(word, "gravity") != 0)
-		name = draw_carried(g);
-	if ((!name && strcmp(word, "gravity") != 0) || !drawing_is_new(g, *word == 'm' || *word == 'i' ? "own" : word, name ? name : ""))
+	has_name = has_name && strcmp(word, "gravity") != 0;
+	if (has_name)
+		name = !is_own && strcmp(word, "offset") != 0 ? draw_carried(g) : k ? k->joint : NULL;
+	if ((has_name && !name) || (is_own && !k) || !drawing_is_new(g, *word == 'm' || *word == 'i' ? "own" : word, name ? name : ""))
 		return;
 	text_printf(&t, "%s%s%s", word, name ? "." : "", name ? name : "");
 	text_printf(&d, "%s_d%s", g->is_forward ? "dqdd" : "dtau", text_string(&t));

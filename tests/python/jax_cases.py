@@ -118,6 +118,7 @@ def case_gradients():
            "damping": True}
     check_gradient("double_pendulum", **arm)
     check_gradient("double_pendulum", want=["M", "bias", "gravity", "tau"], **arm)
+    check_gradient("double_pendulum", want="qdd", free=["armature", "damping:sample", "friction.elbow"], friction=0.1)
     if exhaustive():
         check_gradient("floating_joint")
         check_gradient("double_pendulum", want="qdd", **arm)

@@ -107,6 +107,9 @@ def case_gradients():
            "damping": True}
     check_gradient("double_pendulum", **arm)
     check_gradient("double_pendulum", want="qdd", **arm)
+    own = {"free": ["armature", "damping:sample", "friction.elbow"], "friction": 0.1}
+    check_gradient("double_pendulum", **own)
+    check_gradient("double_pendulum", want="qdd", base="floating", **own)
     check_gradient("double_pendulum", base="floating", fext=["lower"])
     check_gradient("double_pendulum", want=["M", "bias", "gravity", "tau"], **arm)
     check_gradient("cartpole", want=["M", "bias", "gravity", "tau"], damping=True, friction=0.1)

@@ -23,7 +23,7 @@ static const char urdf[] = ROBOT("r",
 	JOINT("turn", "revolute", "world", "arm", AXIS("0 0 1"))
 	"<joint name='free' type='continuous'><parent link='arm'/><child link='hand'/><axis xyz='1 0 0'/></joint>"
 	"<joint name='far' type='prismatic'><parent link='hand'/><child link='ball'/><axis xyz='0 1 0'/>"
-	"<limit effort='1' velocity='2000' lower='-5000' upper='5000'/></joint>"
+	"<limit effort='1' velocity='2000' lower='-5000' upper='5000'/><dynamics damping='2'/></joint>"
 	JOINT("weld", "fixed", "hand", "tip", ORIGIN("0 0 1", "0 0 0")) JOINT("nailed", "fixed", "hand", "nail", "")
 	JOINT("slide", "planar", "arm", "slab", AXIS("0 0 1"))
 	JOINT("sail", "floating", "arm", "ship", ""));
@@ -141,6 +141,22 @@ START_TEST(no_gravity)
 
 	open_drawn(&f, "fold gravity=0,0,0\nfree gravity\n", "", &EACH);
 	assert_fills(&f, "gravity", 2, -9.81, 9.81);
+	scene_close(&f.m);
+}
+END_TEST
+
+/* What joints bear: each row about what the scene or the URDF says of its joint, and within a range of its own where they say nothing. */
+START_TEST(own_terms)
+{
+	struct fixture f;
+
+	open_drawn(&f, "armature far=20\nfree armature,damping,friction.free\nrange damping[1]=3,4\n", "range friction.free=7,8\n", &EACH);
+	assert_fills(&f, "armature", 0, 0, 0.1);
+	assert_fills(&f, "armature", 2, 18, 22);
+	assert_fills(&f, "damping", 0, 0, 1);
+	assert_fills(&f, "damping", 1, 3, 4);
+	assert_fills(&f, "damping", 2, 1.8, 2.2);
+	assert_fills(&f, "friction_free", 0, 7, 8);
 	scene_close(&f.m);
 }
 END_TEST
@@ -325,6 +341,7 @@ int main(void)
 
 	tcase_add_test(c, defaults);
 	tcase_add_test(c, no_gravity);
+	tcase_add_test(c, own_terms);
 	tcase_add_test(c, said);
 	tcase_add_test(c, names_with_brackets);
 	tcase_add_test(c, apart);

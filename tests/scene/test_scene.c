@@ -177,7 +177,8 @@ static const struct refused {
 	{"root\n lock \"elbow=1 # c", "here: scene line 1, root: needs a value"},
 	{"\n lock \"elbow=1 # c", "here: scene line 2, lock: a value that begins with a quote must end with one: \"elbow=1 # c"},
 	{"free qd:batch",
-		"here: scene line 1, free: 'qd' is not known; there is gravity, mass.NAME, inertia.NAME, payload.NAME, offset.NAME"},
+		"here: scene line 1, free: 'qd' is not known; there is gravity, mass.NAME, inertia.NAME, payload.NAME, offset.NAME, "
+		"armature, damping, friction, armature.NAME, damping.NAME, friction.NAME"},
 	{"free :batch", "here: scene line 1, free: takes NAME, NAME:sample or NAME:batch, not ':batch'"},
 	{"free gravity,:batch", "here: scene line 1, free: takes NAME, NAME:sample or NAME:batch, not ':batch'"},
 	{"free gravity,,mass.hand", "here: scene line 1, free: 'gravity,,mass.hand' has an empty name"},
@@ -234,6 +235,7 @@ START_TEST(random_scenes)
 		"snap-angle 1e-3", "round-constants 4", "drop-below 1e-3:sampled", "range ", "range qd=-1,1", "base", "upper",
 		"fore", "hand", "left", "right", "head", "a,b", "shoulder", "elbow", "wrist", "grip", "follow", "neck",
 		"free", "qd", "qdd", "q.elbow", "tau", "power", "gravity", "mass.", "payload.", "wrench.", "offset.",
+		"armature", "friction.",
 		"=", "=0", "=0.5", "=1,2,3", "=1,2", "[0]", ":batch", ":sample", ",", "\n", "\n", "\n", " ", " #", "\t",
 		"\r\n", "\xc3\xa9", "'", "1e999", "-"};
 	enum { PARTS = sizeof parts / sizeof *parts, SCENES = 1000 };

@@ -27,7 +27,8 @@ static const struct refusal {
 	{"want kinetc", "scene line 1, want: 'kinetc' is not known; did you mean 'kinetic'?"},
 	{"want zzzzzz", "scene line 1, want: 'zzzzzz' is not known"},
 	{"free zzzzzz",
-		"scene line 1, free: 'zzzzzz' is not known; there is gravity, mass.NAME, inertia.NAME, payload.NAME, offset.NAME"},
+		"scene line 1, free: 'zzzzzz' is not known; there is gravity, mass.NAME, inertia.NAME, payload.NAME, offset.NAME, "
+		"armature, damping, friction, armature.NAME, damping.NAME, friction.NAME"},
 	{"free mass", "scene line 1, free: 'mass' needs a name: mass.NAME"},
 	{"want twist.", "scene line 1, want: 'twist' needs a name: twist.NAME"},
 	{"want tau.arm", "scene line 1, want: 'tau' takes no name: write tau"},
@@ -98,6 +99,11 @@ static const struct refusal {
 		"scene line 2, free: the mass is part of the inertia: free one of 'mass.arm' and 'inertia.arm'"},
 	{"free offset.slide", "scene line 1, free: an offset belongs to a joint with one row in q, which 'slide' is not"},
 	{"free offset.follow", "scene line 1, free: an offset belongs to a joint with one row in q, which 'follow' is not"},
+	{"free damping.sail", "scene line 1, free: 'damping.sail' is of a joint with one row in qd, which 'sail' is not"},
+	{"free friction.weld", "scene line 1, free: joint 'weld' does not move in this scene"},
+	{"free armature,armature", "scene line 1, free: 'armature' is free already"},
+	{"free armature\nfree armature.turn", "scene line 2, free: 'armature.turn' is part of 'armature': free one of them"},
+	{"free damping.turn,damping", "scene line 1, free: 'damping.turn' is part of 'damping': free one of them"},
 	{"free offset.weld", "scene line 1, free: joint 'weld' does not move in this scene"},
 	/* forces, terms of the joints' own, wants */
 	{"fext arm,arm", "scene line 1, fext: the wrench on 'arm' is an input already"},

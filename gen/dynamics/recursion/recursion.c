@@ -52,13 +52,11 @@ struct row_vectors recursion_row_to_parent(const struct recursion *x, int body, 
 /* What the joint's own terms add to its diagonal elements: the rotor by qdd, friction by qd. */
 static void add_own(struct recursion *x, int body)
 {
-	const struct request *t = x->r->request;
 	const struct body *k = &x->r->t->bodies[body];
-	struct dag *d = x->r->d;
 
 	if (joint_nv(k->type) != 1)
 		return;
-	recursion_add(x, BY_QDD, k->iv, k->iv, dag_within(d, within_mul(within_mul(k->multiplier, k->multiplier), t->armature[body])));
+	recursion_add(x, BY_QDD, k->iv, k->iv, own_term(x->r, OWN_ARMATURE, body, within_mul(k->multiplier, k->multiplier)));
 	recursion_add(x, BY_QD, k->iv, k->iv, own_rate(x->r, body));
 }
 

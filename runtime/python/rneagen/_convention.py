@@ -41,8 +41,7 @@ class MuJoCo:
         self.roles = {array.role: i for i, array in enumerate(inputs)}
         for array in (*inputs, *outputs):
             good = (*VECTORS, *MATRICES, *OTHERS, "joint_acceleration") if array.is_output else \
-                ("joint_position", "joint_velocity", "joint_acceleration", "joint_torque", "gravity", "link_mass", "link_inertia",
-                 "link_payload", "joint_offset", "link_wrench")
+                (*PARTS, *FREED, "link_wrench")
             if array.role not in good:
                 raise ValueError(f"convention 'mujoco' has no {array.word} of a floating base; take 'pinocchio'")
         has_acceleration = any(a.role == "joint_acceleration" for a in (*inputs, *outputs))

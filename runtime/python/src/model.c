@@ -76,12 +76,13 @@ static int append(PyObject *list, PyObject *item)
 	return bad ? -1 : 0;
 }
 
-static PyObject *numbers(const double *values, size_t count)
+/* What its rows are where a call leaves it out; None: it must be given. */
+static PyObject *default_of(const struct signature_array *s)
 {
-	PyObject *list = PyList_New(0);
+	PyObject *list = s->has_default ? PyList_New(0) : Py_NewRef(Py_None);
 
-	for (size_t i = 0; list && i < count; i++)
-		if (append(list, PyFloat_FromDouble(values[i])))
+	for (size_t i = 0; list && s->has_default && i < s->rows; i++)
+		if (append(list, PyFloat_FromDouble(s->nominal ? (double)s->nominal[i] : 0)))
 			Py_CLEAR(list);
 	return list;
 }
@@ -125,19 +126,10 @@ static PyObject *pattern_of(struct model *m, const char *argument)
 
 static PyObject *array_dict(struct model *m, const struct signature_array *s, const char *of)
 {
-	PyObject *nominal = NULL;
-	double values[FREED_ROWS] = {0};
-
-	for (size_t i = 0; s->nominal && i < s->rows && i < FREED_ROWS; i++)
-		values[i] = (double)s->nominal[i];
-	if (s->has_default)
-		nominal = numbers(values, s->rows < FREED_ROWS ? s->rows : FREED_ROWS);
-	else
-		nominal = Py_NewRef(Py_None);
 	return Py_BuildValue("{ss ss sn sO sO ss ss sN sN}", "name", s->name, "word", s->word, "rows",
 		(Py_ssize_t)s->rows, "is_output", s->is_output ? Py_True : Py_False, "per_batch", s->per_batch ? Py_True
 			: Py_False, "role", role_word(s->role), "of",
-		of ? of : "", "default", nominal, "pattern", pattern_of(m, s->name));
+		of ? of : "", "default", default_of(s), "pattern", pattern_of(m, s->name));
 }
 
 static PyObject *model_arrays(PyObject *self, PyObject *unused)

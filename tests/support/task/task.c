@@ -334,12 +334,66 @@ void case_push(struct task_case *c, int entry)
 	}
 }
 
+static const char *const TERMS[TASK_TERMS] = {"armature", "damping", "friction"};
+
+int task_is_own(const struct task_in *in, enum task_term *term)
+{
+	size_t length = strcspn(in->word, ".");
+
+	for (*term = TASK_ARMATURE; *term < TASK_TERMS; ++*term)
+		if (strlen(TERMS[*term]) == length && !strncmp(TERMS[*term], in->word, length))
+			return !in->is_push;
+	return 0;
+}
+
+wide *case_own(struct task_case *c, enum task_term term, int entry)
+{
+	struct reference_own *own = &c->own[entry];
+
+	return term == TASK_ARMATURE ? &own->armature : term == TASK_DAMPING ? &own->damping : &own->friction;
+}
+
+static void set_own(struct task_case *c, enum task_term term, int entry, wide value)
+{
+	if (!c->own_free[term][entry])
+		*case_own(c, term, entry) = value;
+}
+
+static void free_term(struct task_case *c, enum task_term term, int entry, double value)
+{
+	set_own(c, term, entry, (wide)value);
+	c->own_free[term][entry] = 1;
+	if (!(c->own[entry].width > 0))
+		c->own[entry].width = WIDE_C(0.01);
+}
+
+/* Of all joints: rows of a joint with more are not read. */
+void case_free_own(struct task_case *c, enum task_term term, int entry)
+{
+	int rows = entry >= 0;
+	struct task_in *x;
+
+	for (int i = 0; i < c->r->nj && entry < 0; i++)
+		rows += case_has_rows(c, i) ? c->r->joints[i].nv : 0;
+	x = add_in(c, rows, "free", TERMS[term], entry >= 0 ? case_joint(c, entry) : NULL);
+	if (!x)
+		return;
+	x->is_of_all = entry < 0;
+	for (int i = 0; i < ROWS; i++)
+		x->value[i] = (double)draw(c, 0, 2);
+	if (entry >= 0)
+		free_term(c, term, entry, x->value[0]);
+	for (int i = 0; i < c->r->nj && entry < 0; i++)
+		if (case_has_one_row(c, i))
+			free_term(c, term, i, x->value[c->r->joints[i].iv]);
+}
+
 void case_armature(struct task_case *c, int entry)
 {
 	double value = (double)draw(c, 0, 2);
 
 	case_say(c, "armature %s=%.17g\n", case_joint(c, entry), value);
-	c->own[entry].armature = (wide)value;
+	set_own(c, TASK_ARMATURE, entry, (wide)value);
 }
 
 void case_damping(struct task_case *c)
@@ -347,7 +401,7 @@ void case_damping(struct task_case *c)
 	case_say(c, "damping\n");
 	for (int i = 1; i < c->r->nj; i++)
 		if (case_slides(c, i))
-			c->own[i].damping = (wide)c->oracle.raw.joints[c->oracle.source[i]].damping;
+			set_own(c, TASK_DAMPING, i, (wide)c->oracle.raw.joints[c->oracle.source[i]].damping);
 }
 
 /* 0: the width that goes without saying. */
@@ -356,7 +410,7 @@ void case_friction(struct task_case *c, double width)
 	case_say(c, width > 0 ? "friction %.17g\n" : "friction\n", width);
 	for (int i = 1; i < c->r->nj; i++)
 		if (case_slides(c, i)) {
-			c->own[i].friction = (wide)c->oracle.raw.joints[c->oracle.source[i]].friction;
+			set_own(c, TASK_FRICTION, i, (wide)c->oracle.raw.joints[c->oracle.source[i]].friction);
 			c->own[i].width = width > 0 ? (wide)width : WIDE_C(0.01);
 		}
 }

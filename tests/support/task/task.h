@@ -11,11 +11,14 @@ enum { TASK_WORDS = 48 };
 enum task_kind { TASK_TAU, TASK_GRAVITY, TASK_BIAS, TASK_WRENCH, TASK_TWIST, TASK_ACCEL, TASK_POWER, TASK_KINETIC, TASK_POTENTIAL,
 	TASK_KINDS };
 
-/* An input that the scene makes, with what it is fed; an output that it asks for. */
+/* A joint's own terms. */
+enum task_term { TASK_ARMATURE, TASK_DAMPING, TASK_FRICTION, TASK_TERMS };
+
+/* An input that the scene makes, with what it is fed, of all joints by rows of the reference; an output that it asks for. */
 struct task_in {
 	char word[300];
-	int rows, is_push, per_batch;
-	double value[10];
+	int rows, is_push, per_batch, is_of_all;
+	double value[ROWS];
 };
 struct task_out {
 	char word[300];
@@ -34,6 +37,7 @@ struct task_case {
 	char q_given[ROWS], qd_given[ROWS], qdd_given[ROWS], held[ROWS];
 	wide push[ROWS][6]; /* by entry */
 	struct reference_own own[ROWS];
+	char own_free[TASK_TERMS][ROWS];
 	int in_world;
 	struct task_in in[TASK_WORDS];
 	struct task_out out[TASK_WORDS];
@@ -76,11 +80,16 @@ void case_free_mass(struct task_case *c, int entry, int nominal);
 void case_free_inertia(struct task_case *c, int entry, int nominal);
 void case_add_payload(struct task_case *c, int entry, int nominal);
 void case_free_offset(struct task_case *c, int entry, int nominal);
+void case_free_own(struct task_case *c, enum task_term term, int entry); /* -1: of all joints */
 void case_push(struct task_case *c, int entry);
 void case_armature(struct task_case *c, int entry);
 void case_damping(struct task_case *c); /* as the URDF says; so friction */
 void case_friction(struct task_case *c, double width);
 void case_want(struct task_case *c, enum task_kind kind, int entry);
+
+/* Which of the joints' own terms an input is, and where it stands. */
+int task_is_own(const struct task_in *in, enum task_term *term);
+wide *case_own(struct task_case *c, enum task_term term, int entry);
 
 /* A few of each, at random; names that are free already are left out. */
 void case_draw_locks(struct task_case *c);
@@ -106,6 +115,7 @@ struct task_arrays {
 enum task_precision { TASK_REAL, TASK_F64, TASK_F32 };
 void case_evaluate(const struct dag *d, enum task_precision p, struct task_arrays *x);
 void case_feed(const struct task_case *c, const struct scene_model *m, struct task_arrays *x);
+void case_feed_in(const struct task_case *c, const struct task_in *in, const struct tree *t, double *to); /* ROWS of them */
 
 /* Open the scene, evaluate it in extended precision, f64 and f32, and hold it against the reference; the test fails with
    `what`, the seed and the scene. The model stays open. */

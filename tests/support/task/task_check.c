@@ -157,6 +157,14 @@ static void feed_rows(const struct task_case *c, const struct tree *t, int which
 	}
 }
 
+void case_feed_in(const struct task_case *c, const struct task_in *in, const struct tree *t, double *to)
+{
+	memcpy(to, in->value, sizeof in->value);
+	for (int i = 0; i < t->joint_count && in->is_of_all; i++)
+		for (int r = 0; r < t->joints[i].nv; r++)
+			to[t->joints[i].iv + r] = in->value[c->r->joints[entry_named(c->r, t->joints[i].name)].iv + r];
+}
+
 void case_feed(const struct task_case *c, const struct scene_model *m, struct task_arrays *x)
 {
 	static const char *const names[] = {"q", "qd", "qdd"};
@@ -175,7 +183,7 @@ void case_feed(const struct task_case *c, const struct scene_model *m, struct ta
 					d->arguments[k].per_batch == c->in[i].per_batch,
 					"%s: %s has %d rows, per batch %d", c->in[i].word, d->arguments[k].name,
 					d->arguments[k].rows, d->arguments[k].per_batch);
-				memcpy(x->in[k++], c->in[i].value, sizeof c->in[i].value);
+				case_feed_in(c, &c->in[i], &m->tree, x->in[k++]);
 			}
 }
 

@@ -96,8 +96,21 @@ void case_draw_pushes(struct task_case *c)
 		case_push(c, case_pick(c, case_moves));
 }
 
+/* Each of all joints, of one, or of none. */
+static void draw_free_own(struct task_case *c)
+{
+	for (enum task_term term = TASK_ARMATURE; term < TASK_TERMS; term++) {
+		int joint = case_pick(c, case_slides);
+
+		if (joint > 0 && rng_chance(&c->rng, 0.4))
+			case_free_own(c, term, case_pick(c, case_has_one_row) >= 0 && rng_chance(&c->rng, 0.5) ? -1 : joint);
+	}
+}
+
 void case_draw_own(struct task_case *c)
 {
+	if (rng_chance(&c->rng, 0.5))
+		draw_free_own(c);
 	for (int i = 1; i < c->r->nj; i++)
 		if (case_slides(c, i) && rng_chance(&c->rng, 0.5))
 			case_armature(c, i);
