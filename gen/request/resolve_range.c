@@ -68,7 +68,8 @@ static enum rneagen_code refuse_input(const struct resolver *x, const struct sce
 		return error_memory(x->e);
 	if (meant)
 		return scene_refuse(x->s, c, x->e, "'%.255s' is no input of this scene; did you mean '%.255s'?", c->name, meant);
-	return scene_refuse(x->s, c, x->e, "'%.255s' is no input of this scene; %s%s%.255s makes it one", c->name, MAKERS[kind] ? MAKERS[kind] : "--free",
+	return scene_refuse(x->s, c, x->e, "'%.255s' is no input of this scene; %s%s%.255s makes it one", c->name,
+		MAKERS[kind] ? MAKERS[kind] : "--free",
 		kind < KIND_JVP ? " " : "", kind < KIND_JVP ? what : "");
 }
 

@@ -55,7 +55,8 @@ static int ends_like_rate(const char *name)
 /* A constant, and maybe the derivative by it. */
 static void draw_free(struct drawing *g)
 {
-	const char *word = DICE_WORD(g->d, "payload", "mass", "inertia", "offset", "gravity", "armature", "damping", "friction"), *name = NULL;
+	const char *word = DICE_WORD(g->d, "payload", "mass", "inertia", "offset", "gravity", "armature", "damping", "friction");
+	const char *name = NULL;
 	const struct body *k = draw_body(g, 1);
 	int is_own = *word == 'a' || *word == 'd' || *word == 'f', has_name = !is_own || dice_happen(g->d, 2);
 	struct text t = drawing_text(g), d = drawing_text(g), by = drawing_text(g);

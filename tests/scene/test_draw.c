@@ -145,12 +145,14 @@ START_TEST(no_gravity)
 }
 END_TEST
 
-/* What joints bear: each row about what the scene or the URDF says of its joint, and within a range of its own where they say nothing. */
+/* What joints bear: each row about what the scene or the URDF says of its joint; where they say nothing, in a range of its
+   kind's own. */
 START_TEST(own_terms)
 {
 	struct fixture f;
 
-	open_drawn(&f, "armature far=20\nfree armature,damping,friction.free\nrange damping[1]=3,4\n", "range friction.free=7,8\n", &EACH);
+	open_drawn(&f, "armature far=20\nfree armature,damping,friction.free\n", "range damping[1]=3,4\nrange friction.free=7,8\n",
+		&EACH);
 	assert_fills(&f, "armature", 0, 0, 0.1);
 	assert_fills(&f, "armature", 2, 18, 22);
 	assert_fills(&f, "damping", 0, 0, 1);

@@ -25,8 +25,8 @@ from . import _arrays
 from ._errors import RobotError
 
 PARTS = {"joint_position": 0, "joint_velocity": 1, "joint_acceleration": 2, "joint_torque": 2}  # of vjp and jvp_v
-FREED = ("gravity", "link_mass", "link_inertia", "link_payload", "joint_offset", "joint_armature", "joint_damping", "joint_friction",
-         "armature", "damping", "friction")
+FREED = ("gravity", "link_mass", "link_inertia", "link_payload", "joint_offset", "joint_armature", "joint_damping",
+         "joint_friction", "armature", "damping", "friction")
 REFUSED = {"jvp": "it is a derivative already; that of a vjp has one", "joint_acceleration_bound": "it is a bound"}  # by role
 
 
