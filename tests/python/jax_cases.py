@@ -214,8 +214,39 @@ def case_vmap():
                      for each in (jax.jacfwd, jax.jacrev))
     assert all(near(a, b) for a, b in zip(jax.tree.leaves(forward), jax.tree.leaves(back)))
     assert forward.tau[0].shape == (1, 4, 2, 3)
-    refused(NotImplementedError, ["vmap", "payload_lower", ":sample"], jax.vmap(robot, (None, None, None, 0)), q, qd, qdd,
-            jnp.zeros((4, 10)))
+
+
+def case_vmap_of_constants():
+    """Over a constant that is one for all samples: it becomes one for each. Values and derivatives, one by one."""
+    robot = load("double_pendulum", free=["payload.lower:batch", "gravity"])
+    q, qd, qdd, held, _ = arrays(robot, 4)
+    loads = held * jnp.linspace(0.5, 2, 4)[:, None]
+
+    def f(q, qd, qdd, p):
+        return robot(q, qd, qdd, payload_lower=p)
+
+    def one_by_one(g, *x):
+        return jnp.stack([g(*(y[i] for y in x)) for i in range(4)])
+
+    assert near(jax.vmap(f)(q, qd, qdd, loads), one_by_one(f, q, qd, qdd, loads))
+    assert near(jax.vmap(lambda p: f(q, qd, qdd, p))(loads), one_by_one(lambda p: f(q, qd, qdd, p), loads))
+    assert near(jax.vmap(jax.vmap(f, (0, 0, 0, None)), (None, None, None, 0))(q, qd, qdd, loads),
+                one_by_one(lambda p: f(q, qd, qdd, p), loads))
+    for g in (jax.grad(lambda *x: f(*x).sum(), 3), jax.jacfwd(f, 3), jax.jacrev(f, 3), jax.jacfwd(f)):
+        assert near(jax.vmap(g)(q, qd, qdd, loads), one_by_one(g, q, qd, qdd, loads))
+
+
+def case_no_jit():
+    """Where JAX runs all else step by step, values and derivatives are the same."""
+    robot = load("double_pendulum")
+    q, qd, qdd = arrays(robot, 3)
+
+    def gradient(q):
+        return jax.grad(lambda q: robot(q, qd, qdd).sum())(q)
+
+    right = robot(q, qd, qdd), gradient(q), jax.vmap(robot)(q, qd, qdd)
+    with jax.disable_jit():
+        assert all(near(a, b) for a, b in zip((robot(q, qd, qdd), gradient(q), jax.vmap(robot)(q, qd, qdd)), right))
 
 
 def case_second():

@@ -230,9 +230,88 @@ def case_transforms():
     assert near(func.vmap(func.jacrev(lambda *x: robot(*x), argnums=1))(q, qd, qdd), right.dtau_dqd)
     assert near(torch.autograd.functional.jacobian(lambda x: robot(q[0], x, qdd[0]), qd[0]), right.dtau_dqd[0])
     assert near(func.grad(lambda x: robot(x, qd, qdd).sum())(q), right.dtau_dq.sum(-2))
-    load_of = torch.zeros(4, 10, dtype=torch.float64, device=device)
-    refused(NotImplementedError, ["vmap", "payload_iiwa_link_7", ":sample"], func.vmap(lambda x: robot(q, qd, qdd, x)), load_of)
     assert near(func.jacfwd(lambda x: robot(x, qd[0], qdd[0]))(q[0]), right.dtau_dq[0])
+
+
+def case_transforms_of_constants():
+    """vmap over a constant that is one for all samples makes it one for each; gradients by one, of one sample and of many."""
+    robot, func = load("double_pendulum", free=["payload.lower:batch", "gravity"]), torch.func
+    q, qd, qdd, held, g = tensors(robot, 4)
+    loads = held * torch.linspace(0.5, 2, 4, dtype=torch.float64, device=device)[:, None]
+
+    def f(q, qd, qdd, p):
+        return robot(q, qd, qdd, payload_lower=p)
+
+    def one_by_one(g, *x):
+        return torch.stack([g(*(y[i] for y in x)) for i in range(4)])
+
+    assert near(func.vmap(f)(q, qd, qdd, loads), one_by_one(f, q, qd, qdd, loads))
+    assert near(func.vmap(lambda p: f(q, qd, qdd, p))(loads), one_by_one(lambda p: f(q, qd, qdd, p), loads))
+    for d in (func.grad(lambda *x: f(*x).sum(), argnums=3), func.jacfwd(f, argnums=3), func.jacrev(f, argnums=3), func.jacfwd(f)):
+        assert near(func.vmap(d)(q, qd, qdd, loads), one_by_one(d, q, qd, qdd, loads))
+    right = robot.want("dtau_dgravity")(q, held, g)
+    assert near(func.jacfwd(lambda *x: robot(*x), argnums=4)(q, qd, qdd, held, g), right)
+    there = g.clone().requires_grad_()
+    robot(q[0], qd[0], qdd[0], held, there)[1].backward()
+    assert near(there.grad, right[0, 1])
+
+
+def case_compiled_transforms():
+    """Within torch.compile: the derivatives of torch.func and of dual numbers, in one graph, and of a compiled function."""
+    robot, func = load("cartpole"), torch.func
+    q, qd, qdd = tensors(robot, 3)
+
+    def dual(q):
+        with torch.autograd.forward_ad.dual_level():
+            y = robot(torch.autograd.forward_ad.make_dual(q, qd), qd, qdd)
+            return torch.autograd.forward_ad.unpack_dual(y).tangent
+
+    def f(q):
+        return robot(q, qd, qdd)
+
+    for d in (lambda q: func.jvp(f, (q,), (qd,))[1], dual, func.jacfwd(f), func.jacrev(f), func.grad(lambda q: f(q).sum()),
+              func.hessian(lambda q: f(q).sum()), lambda q: func.vmap(func.grad(lambda *x: robot(*x).sum()))(q, qd, qdd)):
+        torch.compiler.reset()
+        right = d(q)
+        assert right.abs().max() > 0 and near(torch.compile(d, fullgraph=True, backend=backend)(q), right)
+    torch.compiler.reset()
+    assert near(func.jvp(torch.compile(f, backend=backend), (q,), (qd,))[1], dual(q))
+
+
+def case_written():
+    """Who has kept what out= writes over is told; what nobody would differentiate is refused."""
+    robot = load("cartpole")
+    q, qd, qdd = tensors(robot, 3)
+    w, tau = torch.ones_like(q).requires_grad_(), torch.empty_like(q)
+    loss = (w * robot(q, qd, qdd, out=tau)).sum()
+    robot(2 * q, qd, qdd, out=tau)
+    refused(RuntimeError, ["inplace"], loss.backward)
+    refused(ValueError, ["out", "gradient"], robot, q, qd, qdd, out=w * 3)
+    refused(ValueError, ["out=", "derivatives"], torch.func.jvp, lambda x: robot(x, qd, qdd, out=torch.empty_like(q)), (q,), (qd,))
+    with torch.autograd.forward_ad.dual_level():
+        refused(ValueError, ["bound step", "derivatives"], robot.bind, torch.autograd.forward_ad.make_dual(q, qd), qd, qdd)
+
+
+def case_bound_memory():
+    """A step whose tensor has other memory says so; the memory that it was bound to stays until then."""
+    robot = load("cartpole")
+    x = tensors(robot, 100000)
+    step = robot.bind(*x)
+    assert torch.equal(step(), robot(*x))
+    kept = x[0].clone()
+    x[0].data = kept
+    refused(RuntimeError, ["q", "bind"], step)
+    step = robot.bind(*x)
+    x[0].untyped_storage().resize_(0)
+    refused(RuntimeError, ["q", "bind"], step)
+
+
+def case_many_tangents():
+    """Of PyTorch's older vectorised Jacobian."""
+    robot = load("cartpole")
+    q, qd, qdd = (x[0] for x in tensors(robot, 1))
+    found = torch.autograd.functional.jacobian(lambda q: robot(q, qd, qdd), q, vectorize=True, strategy="forward-mode")
+    assert near(found, torch.func.jacrev(lambda q: robot(q, qd, qdd))(q))
 
 
 def case_forward():

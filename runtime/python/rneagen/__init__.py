@@ -6,7 +6,7 @@
     H = robot.want("M", "bias")(q, qd)        # several outputs: a named tuple
     tau.sum().backward()                      # tensors of PyTorch have gradients: help(rneagen.torch)
     jax.grad(lambda q: robot(q, qd, qdd).sum())(q)  # of JAX too: help(rneagen.jax)
-    rneagen.casadi.function(robot)            # a function of CasADi, with Hessians: import rneagen.casadi
+    rneagen.casadi.function(robot)            # a function of CasADi, with Hessians: help(rneagen.casadi)
 
 SI units: m, kg, s, rad, N, N m. q has one entry for each joint that moves, depth-first, children by name; a floating
 base comes first.
@@ -25,12 +25,14 @@ from ._errors import BackendError, Error, RobotError
 from ._robot import Limits, Robot, load
 from ._sparse import Sparse
 
-__all__ = ["BackendError", "Choice", "Error", "Limits", "Robot", "RobotError", "Sparse", "Text", "choose",
+__all__ = ["BackendError", "Choice", "Error", "Limits", "Robot", "RobotError", "Sparse", "Text", "__version__", "choose",
            "generate", "load", "report"]
 
-if not TYPE_CHECKING:
+if TYPE_CHECKING:
+    from . import casadi as casadi, jax as jax, torch as torch
+else:
     def __getattr__(name: str):
-        """rneagen.jax and rneagen.torch, which import what they are for, by their names alone."""
-        if name not in ("jax", "torch"):
+        """rneagen.casadi, rneagen.jax and rneagen.torch, which import what they are for, by their names alone."""
+        if name not in ("casadi", "jax", "torch"):
             raise AttributeError(f"module 'rneagen' has no attribute '{name}'")
         return importlib.import_module(f"rneagen.{name}")

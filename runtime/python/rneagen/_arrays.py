@@ -73,6 +73,11 @@ def identifiers(arrays: Sequence[Array]) -> list[str]:
     return words if good else [array.name for array in arrays]
 
 
+def copy_of(x: numpy.ndarray) -> numpy.ndarray:
+    """In one piece, where its numbers have their places in memory."""
+    return numpy.require(x, None, ["C", "A"])
+
+
 def fill(array: Array, lead: tuple[int, ...], dtype) -> numpy.ndarray:
     """What an input that was left out is."""
     return spread(array.default, array.shape if array.per_batch else (*lead, *array.shape), dtype)
@@ -106,6 +111,8 @@ def arguments(robot, args: tuple, kwargs: dict[str, Any]) -> tuple[list[Any], An
     given = dict(zip((*names, "out"), args))
     for name, value in kwargs.items():
         name = {a.word: a.name for a in inputs}.get(name, name)
+        if name == "sparse":
+            raise TypeError("sparse= is a keyword of load and of want, robot.want(..., sparse=True), not of a call")
         if name not in (*names, "out"):
             near = difflib.get_close_matches(name, (*names, "out"), 1)
             raise TypeError(f"'{name}' is no input: {takes(names, has_out)}" + (f"; did you mean '{near[0]}'?" if near else ""))

@@ -15,6 +15,8 @@ from typing import Any, Sequence
 
 import numpy
 
+from ._gradient import FREED, PARTS
+
 VECTORS = ("joint_torque", "gravity_torque")  # outputs that are forces
 MATRICES = {"mass_matrix": "forward", "mass_matrix_inverse": "inverse"}
 OTHERS = ("power", "kinetic_energy", "potential_energy", "link_twist", "link_acceleration", "joint_wrench", "body_twists",

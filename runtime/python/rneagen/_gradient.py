@@ -79,6 +79,18 @@ class Gradients:
                 for a in self.robot.inputs if a.role in FREED]
         return {"free": free} if apart else {}
 
+    def robot_apart(self, words: tuple[str, ...]):
+        """The robot with these constants one for each sample."""
+        key = "apart", words
+        if key not in self.made:
+            self.made[key] = self.robot._with(**self.freed(words))
+        return self.made[key]
+
+    @staticmethod
+    def constant_of(array) -> str:
+        """The word of the constant that this is, or is a direction of."""
+        return array.of if array.role == "tangent" and array.of else array.word
+
     def run(self, robot, given: dict[str, Any], lead: tuple[int, ...], like) -> dict[str, Any]:
         """Its outputs by word, from inputs by word; what is not there is 0."""
         arrays = [given[a.word] if a.word in given else self.library.zeros(like, (*lead, *a.shape)) for a in robot.inputs]
@@ -173,7 +185,8 @@ class Gradients:
         product = found.get(f"vjp.{array.word}")
         if product is None or not array.per_batch or array.word in apart:
             return product
-        return product.sum(tuple(range(len(product.shape) - 1)))
+        samples = tuple(range(len(product.shape) - 1))
+        return product.sum(samples) if samples else product  # PyTorch takes no axes for all of them
 
     # ---- forward ----
 
@@ -215,8 +228,8 @@ class Gradients:
         found, at = {}, 0
         if robot is not None:
             jvp, rows = self.along(robot, values, given, lead, apart), {a.word: a.rows for a in of}
-            for word in words:
-                found[word] = jvp[..., at:at + rows.get(word, 0)]
+            for word in words:  # all of it is no slice: where many tangents are one tensor, PyTorch has none
+                found[word] = jvp[..., at:at + rows.get(word, 0)] if rows.get(word) != jvp.shape[-1] else jvp
                 at += rows.get(word, 0)
         return found
 

@@ -85,9 +85,20 @@ def vary(x, axes: tuple):
 
 # ---- a call ----
 
+
+def compiled(function, *static: str):
+    """A primitive computes by compiled programs alone: also where jax.disable_jit has all others run step by step."""
+    program = jax.jit(function, static_argnames=static)
+
+    def run(*args, **kwargs):
+        with jax.disable_jit(False):
+            return program(*args, **kwargs)
+    return run
+
+
 call_p = Primitive("rneagen_call")
 call_p.multiple_results = True
-call_p.def_impl(jax.jit(call_p.bind, static_argnames="operator"))
+call_p.def_impl(compiled(call_p.bind, "operator"))
 
 
 def run(operator: Operator, arrays: Sequence) -> tuple:
@@ -117,17 +128,33 @@ def size_of(args: Sequence, dims: Sequence) -> int:
 
 def to_front(array, x, dim, size: int):
     """vmap's axis becomes one more of the samples."""
-    if array.per_batch and dim is not None:
-        raise NotImplementedError(f"vmap over {array.name}, which is one for all samples: "
-                                  f"free='{array.word}:sample' makes it one for each")
-    if array.per_batch:
+    if array.per_batch and dim is None:
         return x
     return jnp.broadcast_to(x, (size, *x.shape)) if dim is None else jnp.moveaxis(x, dim, 0)
 
 
+def spread(array, x, lead: tuple[int, ...]):
+    """A constant, with the axis of vmap or without, for each sample."""
+    own = x.reshape(lead[0], *[1] * (len(lead) - 1), *array.shape) if x.ndim > len(array.shape) else x
+    return jnp.broadcast_to(own, (*lead, *array.shape))
+
+
+def to_samples(operator: Operator, args: Sequence, dims: Sequence, size: int):
+    """Of inputs under vmap: the operator that takes them, where constants that have vmap's axis are one for each sample; them; the
+    axes of samples; and these constants."""
+    inputs, word = operator.robot.inputs, operator.gradients.constant_of
+    apart = {word(a) for a, d in zip(inputs, dims) if a.per_batch and d is not None}
+    moved = [to_front(a, x, d, size) for a, x, d in zip(inputs, args, dims)]
+    lead = _arrays.samples_of(inputs, moved) or (size,)
+    if apart:
+        moved = [spread(a, x, lead) if a.per_batch and word(a) in apart else x for a, x in zip(inputs, moved)]
+        operator = operator_of(operator.gradients.robot_apart(tuple(sorted(apart))))
+    return operator, moved, lead, apart
+
+
 def batch(args, dims, *, operator):
-    size = size_of(args, dims)
-    outputs = run(operator, [to_front(a, x, d, size) for a, x, d in zip(operator.robot.inputs, args, dims)])
+    operator, moved, _, _ = to_samples(operator, args, dims, size_of(args, dims))
+    outputs = run(operator, moved)
     return outputs, (0,) * len(outputs)
 
 
@@ -170,7 +197,7 @@ def compute(*args, operator, of, given):
     return operator.gradients.forward([robot.outputs[i] for i in of], args[:len(robot.inputs)], tangents)
 
 
-tangent_p.def_impl(jax.jit(compute, static_argnames=("operator", "of", "given")))
+tangent_p.def_impl(compiled(compute, "operator", "of", "given"))
 mlir.register_lowering(tangent_p, mlir.lower_fun(compute, multiple_results=True))
 
 
@@ -181,17 +208,18 @@ def tangent_shapes(*avals, operator, of, given):
 
 
 def batch_tangent(args, dims, *, operator, of, given):
-    inputs, count = operator.robot.inputs, len(operator.robot.inputs)
-    size = size_of(args, dims)
-    moved = [to_front(a, x, d, size) for a, x, d in zip(inputs, args, dims)]
-    lead = _arrays.samples_of(inputs, moved)
-    moved += [tangent_to_front(inputs[i], x, d, lead) for i, x, d in zip(given, args[count:], dims[count:])]
+    inputs, count, word = operator.robot.inputs, len(operator.robot.inputs), operator.gradients.constant_of
+    operator, moved, lead, apart = to_samples(operator, args[:count], dims[:count], size_of(args, dims))
+    moved += [tangent_to_front(inputs[i], x, d, lead, word(inputs[i]) in apart)
+              for i, x, d in zip(given, args[count:], dims[count:])]
     return tangent_p.bind(*moved, operator=operator, of=of, given=given), (0,) * len(of)
 
 
-def tangent_to_front(array, x, dim, lead: tuple[int, ...]):
-    """As to_front; the tangent of a constant of the whole batch has all axes of samples then."""
+def tangent_to_front(array, x, dim, lead: tuple[int, ...], is_apart: bool):
+    """As to_front; the tangent of a constant of the whole batch has all axes of samples then, and with `is_apart` always."""
     own = x.ndim - (dim is not None) == len(array.shape)
+    if is_apart and own:
+        return spread(array, x if dim is None else jnp.moveaxis(x, dim, 0), lead)
     if not array.per_batch or dim is None and not own:
         return to_front(dataclasses.replace(array, per_batch=False), x, dim, lead[0])
     if dim is None:

@@ -22,8 +22,11 @@ def namespace(name: str, x: Any):
     module, _, kind = _arrays.kind_of(name, x).partition(" ")
     if kind not in ("NumPy", "PyTorch", "JAX", "cupy"):
         raise TypeError(f"{name}: an array of NumPy, PyTorch, JAX or CuPy is wanted")
-    made = importlib.import_module({"NumPy": "numpy", "PyTorch": "torch", "JAX": "jax.numpy", "cupy": "cupy"}[kind])
-    return made, (made.linalg.cross if kind == "PyTorch" else made.cross)
+    if kind == "PyTorch":  # a statement that torch.compile sees through
+        import torch
+        return torch, torch.linalg.cross
+    made = importlib.import_module({"NumPy": "numpy", "JAX": "jax.numpy", "cupy": "cupy"}[kind])
+    return made, made.cross
 
 
 def total(x):

@@ -62,6 +62,12 @@ def numbers(keyword: str, x: Any) -> str:
         raise TypeError(f"{keyword} takes numbers, not {x!r}") from None
 
 
+def flag(keyword: str, x: Any) -> bool:
+    if not isinstance(x, bool):
+        raise TypeError(f"{keyword} takes True or False, not {x!r}")
+    return x
+
+
 def names(keyword: str, x: Any) -> list[str]:
     x = [x] if isinstance(x, str) else list(x) if isinstance(x, Iterable) else [x]
     for name in x:
@@ -73,6 +79,8 @@ def names(keyword: str, x: Any) -> list[str]:
 def pairs(keyword: str, x: Any) -> list[str]:
     if hasattr(x, "items"):
         return [f"{name}={numbers(keyword, value)}" for name, value in x.items()]
+    if not isinstance(x, Iterable):
+        raise TypeError(f'{keyword} takes {{"NAME": VALUE}}, not {x!r}')
     return names(keyword, x)
 
 
@@ -84,9 +92,20 @@ def armature_of(path: str) -> list[str]:
     return [re.sub(r"\\(.)", lambda found: found[1].replace("n", "\n"), pair) for pair in pairs]
 
 
+def owned(x: Any) -> Any:
+    """The same in lists, dictionaries and numbers that nobody else changes, and that can be gone through again."""
+    if x is None or isinstance(x, (bool, int, float, str, bytes, os.PathLike)):
+        return x
+    if hasattr(x, "items"):
+        return {name: owned(value) for name, value in x.items()}
+    if hasattr(x, "tolist"):  # of NumPy and its like
+        return x.tolist()
+    return [owned(one) for one in x] if isinstance(x, Iterable) else x
+
+
 def taken(options: dict[str, Any]) -> dict[str, Any]:
     """The keywords, with what files hold in place of their names; what is wrong with those of the call is said here."""
-    options = dict(options)
+    options = {keyword: owned(x) for keyword, x in options.items()}
     path, armature = options.get("scene"), options.get("armature")
     if path is not None:
         with open(path, encoding="utf-8") as file:
@@ -95,6 +114,8 @@ def taken(options: dict[str, Any]) -> dict[str, Any]:
         options["armature"] = armature_of(os.fspath(armature))
     if isinstance(options.get("cache"), os.PathLike):
         options["cache"] = os.fspath(options["cache"])
+    if options.get("sparse") is not None:
+        flag("sparse", options["sparse"])
     _core.check_open({k: options[k] for k in OPEN if options.get(k) is not None})
     return options
 
@@ -109,7 +130,7 @@ def values(keyword: str, x: Any) -> list[str | None]:
             raise TypeError(f"{keyword} takes a value, not True")
         return [None]
     if takes == 0:
-        raise TypeError(f"{keyword} takes True or False, not {x!r}")
+        flag(keyword, x)
     if kind == "pair":
         return list(pairs(keyword, x))
     if kind in ("names", "freed"):
@@ -147,9 +168,7 @@ def generator(options: dict[str, Any], file: str) -> dict[str, Any]:
                 raise ValueError(f"bounded takes True, False or running, not {x!r}")
             x = 2
         elif keyword in ("strict", "bounded"):
-            if x not in (False, True):
-                raise ValueError(f"{keyword} takes True or False, not {x!r}")
-            x = int(x)
+            x = int(flag(keyword, x))
         elif keyword == "order" and not isinstance(x, str):
             x = ",".join(names(keyword, x))
         elif keyword in COUNTED and isinstance(x, str):

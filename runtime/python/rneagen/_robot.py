@@ -22,7 +22,7 @@ from . import _arrays, _convention, _core, _lie, _names, _options, _sparse
 from ._errors import BackendError, translated
 from ._keywords import Keywords
 
-NUMPY = (numpy.ndarray, numpy.empty, _arrays.DTYPES["f32"], _arrays.DTYPES["f64"], numpy.ascontiguousarray)
+NUMPY = (numpy.ndarray, numpy.empty, _arrays.DTYPES["f32"], _arrays.DTYPES["f64"], _arrays.copy_of)
 OWN = ("convention", "sparse")
 PRODUCTS = ("jvp", "vjp")  # of derivatives of outputs
 KEYS = itertools.count()
@@ -114,6 +114,7 @@ class Robot(_core.Robot):
         self._generator = self._generator_options(dense=not self.sparse)
         self._model = translated(_core.Model, urdf, self._generator)
         self._facts, self._joints = self._model.facts(), self._model.joints()
+        self._bounds = self._limits()
         arrays = [_arrays.describe(a, self._facts["nv"], self.sparse) for a in self._model.arrays()]
         if not any(a.is_matrix or a.role in PRODUCTS for a in arrays):
             self._generator = self._generator_options(dense=False)  # of the same text, whose head says no more than it needs
@@ -178,9 +179,7 @@ class Robot(_core.Robot):
         """What of the URDF may not be meant."""
         return list(self._facts["warnings"])
 
-    @functools.cached_property
-    def limits(self) -> Limits:
-        """Position, velocity and effort, as the URDF states them. No text models them."""
+    def _limits(self) -> Limits:
         rows = Limits(numpy.full(self.nq, -numpy.inf), numpy.full(self.nq, numpy.inf), numpy.full(self.nv, numpy.inf),
                       numpy.full(self.nv, numpy.inf))
         for joint in self._joints:
@@ -188,6 +187,11 @@ class Robot(_core.Robot):
             rows.lower[q], rows.upper[q] = joint["lower"], joint["upper"]
             rows.velocity[v], rows.effort[v] = joint["velocity"], joint["effort"]
         return rows
+
+    @property
+    def limits(self) -> Limits:
+        """Position, velocity and effort, as the URDF states them. No text models them."""
+        return self._bounds
 
     @functools.cached_property
     def info(self) -> dict[str, Any]:
@@ -323,7 +327,7 @@ class Robot(_core.Robot):
 
     # ---- other outputs ----
 
-    def want(self, *names: str, sparse: bool | None = None, **products: Any) -> "Robot":
+    def want(self, *names: str | Iterable[str], sparse: bool | None = None, **products: Any) -> "Robot":
         """The robot with other outputs, by the words of --want: "tau", "M", "bias", "gravity", "dtau_dq", "qdd",
         "Minv", "wrench.JOINT", ... Several outputs come as a named tuple. Matrices are (..., nv, nv), Jacobians (...,
         6, nv), with sparse=True of type rneagen.Sparse; poses are [R p], (..., 3, 4). The same names again give the
@@ -336,7 +340,10 @@ class Robot(_core.Robot):
         jvp_v (..., 3 nv). by=["payload.hand"] adds what free= and fext= name: outputs vjp_NAME, inputs jvp_v_NAME."""
         _options.check(products, (*PRODUCTS, "by"), "want")
         given = tuple((k, tuple(_options.names(k, x))) for k, x in products.items() if x)
-        return self._wanting(names, self.sparse if sparse is None else bool(sparse), products=given)
+        if len(names) == 1 and not isinstance(names[0], str):  # a list of them, as load takes
+            names = tuple(_options.names("want", names[0]))
+        is_sparse = self.sparse if sparse is None else _options.flag("sparse", sparse)
+        return self._wanting(names, is_sparse, products=given)
 
     def _wanting(self, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...] = (), products: tuple = ()) -> "Robot":
         key = names, sparse, fold, products

@@ -22,7 +22,7 @@ class Operator:
     """A robot as operators of torch.library: `op`, which makes its outputs; `op_out`, which writes into those it is given."""
 
     def __init__(self, robot, name: str, function_for):
-        self.robot, self.name = robot, name
+        self.robot, self.name, self.function_for = robot, name, function_for
         self.inputs, self.outputs = robot.inputs, robot.outputs
         self.tails = [(a.shape, a.per_batch) for a in self.inputs]
         self.several = len(self.outputs) > 1
@@ -43,7 +43,7 @@ class Operator:
         op = torch.library.custom_op(f"rneagen::{self.name}", self.run, mutates_args=(), schema=f"({self._takes()}) -> {made}")
         op.register_fake(self.fake)
         op.register_autograd(self.gradients.gradient, setup_context=self.gradients.keep)
-        op.register_vmap(self.batched)
+        op.register_vmap(lambda info, in_dims, *tensors: self.batched(self.op, info, in_dims, tensors))
         return op._opoverload
 
     @property
@@ -63,22 +63,22 @@ class Operator:
         made = tuple(like.new_empty((*lead, *a.shape)) for a in self.outputs)
         return made if self.several else made[0]
 
-    def moved(self, info, in_dims, tensors: Sequence[Tensor | None]):
-        """What vmap over these is: its axis becomes one more of the samples. The tensors, and the axes of the outputs."""
-        moved: list[Tensor | None] = []
-        for array, x, dim in zip(self.inputs, tensors, in_dims):
-            if x is None or dim is None and array.per_batch:
-                moved.append(x)
-            elif array.per_batch:
-                raise NotImplementedError(f"vmap over {array.name}, which is one for all samples: "
-                                          f"free='{array.word}:sample' makes it one for each")
-            else:
-                moved.append((x.expand(info.batch_size, *x.shape) if dim is None else x.movedim(dim, 0)).contiguous())
-        return moved, (0,) * len(self.outputs) if self.several else 0
-
-    def batched(self, info, in_dims, *tensors: Tensor | None):
-        moved, dims = self.moved(info, in_dims, tensors)
-        return self.op(*moved), dims
+    def batched(self, call, info, in_dims, tensors: Sequence[Tensor | None]):
+        """What vmap over these is: its axis becomes one more of the samples, of all constants that have it too. The outputs, and
+        where their axes are."""
+        gradients, size = self.gradients, info.batch_size
+        words = [gradients.constant_of(a) for a in self.inputs]
+        apart = {word for a, word, dim in zip(self.inputs, words, in_dims) if a.per_batch and dim is not None}
+        moved = [x if x is None or a.per_batch and word not in apart else
+                 (x.expand(size, *x.shape) if dim is None else x.movedim(dim, 0)).contiguous()
+                 for a, word, x, dim in zip(self.inputs, words, tensors, in_dims)]
+        if apart:
+            lead = _arrays.samples_of(self.inputs, moved) or (size,)
+            moved = [x if x is None or not a.per_batch or word not in apart else
+                     x.reshape(size, *[1] * (len(lead) - 1), *a.shape).expand(*lead, *a.shape).contiguous()
+                     for a, word, x in zip(self.inputs, words, moved)]
+            call = self.function_for(gradients.robot_apart(tuple(sorted(apart))), moved, False)
+        return call(*moved), (0,) * len(self.outputs) if self.several else 0
 
     # ---- checks ----
 
@@ -226,6 +226,7 @@ class Operator:
         given: Any = tensors[len(self.inputs):]
         plan, every = self.check_given(self.one_piece(tensors[:len(self.inputs)]), given)
         self.launch(plan, every)
+        torch.autograd.graph.increment_version(given)  # who has kept them for a gradient is told
 
     def step(self, tensors: Sequence[Tensor | None], outputs: Sequence[Tensor] | None, result: Any):
         """A step that launches again and returns `result`, or the outputs that are made here."""
@@ -235,7 +236,18 @@ class Operator:
             outputs = made if self.several else (made,)
             result = self.robot._join(list(outputs))
         plan, every = self.check_given(tensors, outputs)
-        return plan.kernel.bind(*plan.where(every), result, every)
+        addresses, *rest = plan.where(every)
+        # whoever takes a tensor's memory away leaves that of its view to the step, which then says so
+        launch = plan.kernel.bind(addresses, *rest, result, (every, [x.detach() for x in every]))
+        names = [*(a.name for a in self.inputs), *("out" for _ in outputs)]
+
+        def step():
+            for x, address in zip(every, addresses):
+                if x.data_ptr() != address:
+                    moved = next(n for n, x, address in zip(names, every, addresses) if x.data_ptr() != address)
+                    raise RuntimeError(f"{moved}: its memory is another than when it was bound; bind it again")
+            return launch()
+        return step
 
 
 class Plan(NamedTuple):
@@ -286,8 +298,7 @@ def function_of(operator: Operator):
         return tuple(made) if operator.several else made[0]
 
     def vmap(info, in_dims, *tensors):
-        moved, dims = operator.moved(info, in_dims, tensors)
-        return made.apply(*moved), dims
+        return operator.batched(made.apply, info, in_dims, tensors)
 
     gradients = operator.gradients
     made: Any = type(operator.name, (torch.autograd.Function,), {

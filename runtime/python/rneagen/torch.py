@@ -23,6 +23,7 @@ from typing import Any, Sequence
 import torch
 from numpy import ndarray
 from torch import Tensor
+from torch.autograd import forward_ad
 
 from . import _arrays, _robot
 from ._torch_operator import Operator, is_plain, lock
@@ -32,6 +33,9 @@ _operators: dict[str, Operator] = {}
 _modes = getattr(torch._C, "_len_torch_dispatch_stack", lambda: 1)
 _is_autocast = getattr(torch._C, "_is_any_autocast_enabled", torch.is_autocast_enabled)
 _is_tracing = getattr(torch._C, "_is_tracing", lambda: False)
+_is_traced = getattr(torch.compiler, "is_dynamo_compiling", torch.compiler.is_compiling)
+_compiler_looks_on = getattr(torch._C._dynamo.eval_frame, "get_eval_frame_callback", lambda: None)
+_is_wrapped = getattr(torch._C._functorch, "is_functorch_wrapped_tensor", lambda x: False)
 _is_batched = getattr(torch._C._functorch, "is_legacy_batchedtensor", lambda x: False)
 _plain_call, _plain_wanting = _robot.Robot.__call__, _robot.Robot._wanting
 
@@ -50,7 +54,7 @@ def name_of(key: str, is_out: bool) -> str:
 def function_for(robot, tensors: Sequence[Any], is_out: bool):
     """What computes these: the operator, what torch.func takes, or where PyTorch's dispatcher has nothing to do the
     function alone."""
-    if torch.compiler.is_compiling():
+    if _is_traced():
         return getattr(torch.ops.rneagen, name_of(robot._key, is_out)).default
     operator = robot.__dict__.get("_torch") or operator_of(robot)
     if is_direct(tensors):
@@ -58,11 +62,39 @@ def function_for(robot, tensors: Sequence[Any], is_out: bool):
     return operator.op_out if is_out else operator.op if is_plain() else operator.function.apply
 
 
-def refuse_gradient(what: str, robot, arrays: Sequence[Tensor | None]) -> None:
-    for array, x in zip(robot.inputs, arrays):
-        if x is not None and x.requires_grad and torch.is_grad_enabled():
-            raise ValueError(f"{array.name}: it requires a gradient, and {what} has none; "
-                             f"{array.name}.detach() has the same numbers")
+@torch.compiler.assume_constant_result
+def is_transformed() -> bool:
+    """What torch.compile asks for, which looks at transforms anew: is a derivative of torch.func under way, or one forward?"""
+    stack = torch._C._functorch.get_interpreter_stack() or []
+    return any(x.key() != torch._C._functorch.TransformType.Vmap for x in stack) or getattr(forward_ad, "_current_level", -1) >= 0
+
+
+@torch.compiler.allow_in_graph
+def transformed(key: str, *tensors: Tensor | None):
+    """The call as torch.func's derivatives take it: an operator of torch.library has none forward."""
+    return operator_of(_robot.ALIVE[key]).function.apply(*tensors)
+
+
+@torch.compiler.disable
+def beside_graph(robot, arrays: Sequence[Any], out: Any):
+    """Within a transform torch.compile leaves a call out of its graph: an operator of torch.library has no derivative forward.
+    Nor does it make graphs of what runs then, in which no transform would be under way."""
+    return call(robot, arrays, out)
+
+
+def refuse_gradient(what: str, robot, arrays: Sequence[Tensor | None], outputs: Sequence[Tensor] = ()) -> None:
+    """Nobody would see what is written into a tensor."""
+    if torch.is_grad_enabled():
+        for name, x in (*((a.name, x) for a, x in zip(robot.inputs, arrays)), *(("out", x) for x in outputs)):
+            if x is not None and x.requires_grad:
+                raise ValueError(f"{name}: it requires a gradient, and {what} has none; {name}.detach() has the same numbers")
+    if is_transformed() if _is_traced() else not is_plain() and any(map(is_followed, (*arrays, *outputs))):
+        raise ValueError(f"{what} has no derivatives, forward or by torch.func: leave out= out")
+
+
+def is_followed(x: Tensor | None) -> bool:
+    """Does a transform of torch.func see it, or has it a tangent?"""
+    return x is not None and (_is_wrapped(x) or forward_ad.unpack_dual(x).tangent is not None)
 
 
 def is_direct(tensors: Sequence[Any]) -> bool:
@@ -82,14 +114,19 @@ def widened(arrays: Sequence[Any]) -> list:
 
 def call(robot, arrays: Sequence[Any], out: Any):
     """A call whose arrays are tensors."""
+    if not _is_traced() and _compiler_looks_on():
+        return beside_graph(robot, arrays, out)
     if _is_autocast():
         arrays = widened(arrays)
     if out is not None:
-        refuse_gradient("a call with out=", robot, arrays)
         outputs = _arrays.tuple_out(robot, out, "tensors")
+        refuse_gradient("a call with out=", robot, arrays, outputs)
         function_for(robot, (*arrays, *outputs), True)(*arrays, *outputs)
         return out
-    made = function_for(robot, arrays, False)(*arrays)
+    if _is_traced() and is_transformed():
+        made = transformed(robot._key, *arrays)
+    else:
+        made = function_for(robot, arrays, False)(*arrays)
     return made if robot._outputs is None else robot._outputs(*made)
 
 
@@ -100,8 +137,9 @@ def constant(values: ndarray, shape: tuple[int, ...], like: Tensor) -> Tensor:
 
 def bind(robot, arrays: Sequence[Any], out: Any):
     """A step on tensors, in the stream that is current now; it has no gradient."""
-    refuse_gradient("a bound step", robot, arrays)
-    return operator_of(robot).step(arrays, None if out is None else _arrays.tuple_out(robot, out, "tensors"), out)
+    outputs = None if out is None else _arrays.tuple_out(robot, out, "tensors")
+    refuse_gradient("a bound step", robot, arrays, outputs or ())
+    return operator_of(robot).step(arrays, outputs, out)
 
 
 def _call(self, *args, **kwargs):
@@ -128,7 +166,7 @@ def make_wanted(key: str, names: tuple[str, ...], sparse: bool, fold: tuple[str,
 
 def _wanting(self, names: tuple[str, ...], sparse: bool, fold: tuple[str, ...] = (), products: tuple = ()):
     """While torch.compile looks on, a robot is made behind its back, and then found."""
-    if torch.compiler.is_compiling():
+    if _is_traced():
         make_wanted(self._key, names, sparse, fold, products)
     return _plain_wanting(self, names, sparse, fold, products)
 

@@ -86,6 +86,7 @@ static int check_array(const struct array *a, PyObject *array, const struct call
 	const Py_buffer *v = &c->views[c->view_count - 1];
 	int scalar = scalar_of(v);
 	char order;
+	int is_aligned;
 
 	if (scalar < 0 || (lead->scalar_of && scalar != lead->scalar)) {
 		PyObject *type = PyObject_GetAttrString(array, "dtype");
@@ -109,13 +110,19 @@ static int check_array(const struct array *a, PyObject *array, const struct call
 	if (check_shape(a, v, lead))
 		return -1;
 	order = order_of(v);
-	if (order != 'C' && !is_output && c->copy)
+	is_aligned = (uintptr_t)v->buf % (size_t)v->itemsize == 0;
+	if ((order != 'C' || !is_aligned) && !is_output && c->copy)
 		return 1;
 	if (order != 'C')
 		PyErr_Format(PyExc_ValueError,
-			order ? "%U: it is in Fortran order; numpy.ascontiguousarray makes a copy in C order"
+			is_output && order ? "out: the array for %U is in Fortran order; give one in C order, as numpy.empty makes it"
+			: is_output ? "out: the array for %U is not contiguous; give one that is, as numpy.empty makes it"
+			: order ? "%U: it is in Fortran order; numpy.ascontiguousarray makes a copy in C order"
 			: "%U: it is not contiguous; numpy.ascontiguousarray makes a copy that is", a->name);
-	return order == 'C' ? 0 : -1;
+	else if (!is_aligned)
+		PyErr_Format(PyExc_ValueError, "%s%U: its numbers do not stand at multiples of %zd bytes; numpy.copy makes an array whose do",
+			is_output ? "out: the array for " : "", a->name, v->itemsize);
+	return order == 'C' && is_aligned ? 0 : -1;
 }
 
 static int take_view(PyObject *array, struct call *c, int i)

@@ -69,6 +69,8 @@ static int take_gravity(PyObject *value, double gravity[3])
 
 		gravity[i] = item ? PyFloat_AsDouble(item) : 0;
 		Py_XDECREF(item);
+		if (PyErr_Occurred() && PyErr_ExceptionMatches(PyExc_TypeError))
+			PyErr_Format(PyExc_TypeError, "gravity takes three numbers, not %R", value);
 		if (PyErr_Occurred())
 			return -1;
 		if (!(gravity[i] - gravity[i] == 0)) {
