@@ -50,10 +50,13 @@ static int has_input(const struct function *p)
 	return 0;
 }
 
-/* May samples be moved? Loops of segments know the places of their columns. */
+/* May samples be moved? Loops over columns, of what a batch runs, know the places of these. Asked of a function, or of what its
+   batches run, the answer is the same. */
 static int has_few(const struct emission *e, const struct function *p)
 {
-	return has_input(p) && group_of(e, p) * sample_bytes(e, p) <= ROOM_BYTES && !(p->many && p->many->dag.loop_count);
+	const struct function *many = p->many ? p->many : p;
+
+	return has_input(p) && group_of(e, p) * sample_bytes(e, p) <= ROOM_BYTES && !many->dag.loop_count;
 }
 
 static int is_turned(const struct emission *e, const struct function *p)

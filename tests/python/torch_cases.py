@@ -287,7 +287,8 @@ def case_written():
     robot(2 * q, qd, qdd, out=tau)
     refused(RuntimeError, ["inplace"], loss.backward)
     refused(ValueError, ["out", "gradient"], robot, q, qd, qdd, out=w * 3)
-    refused(ValueError, ["out=", "derivatives"], torch.func.jvp, lambda x: robot(x, qd, qdd, out=torch.empty_like(q)), (q,), (qd,))
+    refused(ValueError, ["out=", "derivatives"], torch.func.jvp, lambda x: robot(x, qd, qdd, out=torch.empty_like(q)),
+            (q,), (qd,))
     with torch.autograd.forward_ad.dual_level():
         refused(ValueError, ["bound step", "derivatives"], robot.bind, torch.autograd.forward_ad.make_dual(q, qd), qd, qdd)
 

@@ -140,8 +140,8 @@ def spread(array, x, lead: tuple[int, ...]):
 
 
 def to_samples(operator: Operator, args: Sequence, dims: Sequence, size: int):
-    """Of inputs under vmap: the operator that takes them, where constants that have vmap's axis are one for each sample; them; the
-    axes of samples; and these constants."""
+    """Of inputs under vmap: the operator that takes them, where constants that have vmap's axis are one for each sample;
+    them; the axes of samples; and these constants."""
     inputs, word = operator.robot.inputs, operator.gradients.constant_of
     apart = {word(a) for a, d in zip(inputs, dims) if a.per_batch and d is not None}
     moved = [to_front(a, x, d, size) for a, x, d in zip(inputs, args, dims)]
