@@ -174,13 +174,29 @@ static int read_text(const char *command, const char *path, struct file_content 
 	return 1;
 }
 
+/* The line that names a file, before its own. */
+static int add_file_name(const char *command, struct rneagen_options *o, const char *path)
+{
+	struct arena a;
+	struct text line;
+	int bad;
+
+	arena_init(&a, NULL);
+	text_init(&line, &a);
+	scene_put_file(path, &line);
+	bad = add_scene(command, o, line.failed ? NULL : text_string(&line), line.length);
+	arena_free(&a);
+	return bad;
+}
+
 static int take_scene_file(const char *command, struct rneagen_options *o, const char *path)
 {
 	struct file_content f = {0};
 	const char *dashes;
+	int bad = read_text(command, path, &f) || add_file_name(command, o, path);
 	size_t begin = o->scene ? strlen(o->scene) : 0;
-	int bad = read_text(command, path, &f) || add_scene(command, o, f.bytes, f.length);
 
+	bad = bad || add_scene(command, o, f.bytes, f.length);
 	free(f.bytes);
 	dashes = bad ? NULL : find_dashes(o->scene + begin);
 	return dashes ? option_refuse(command, "%s: '%.*s': in a file choices stand without their dashes", path,

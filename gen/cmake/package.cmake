@@ -51,9 +51,9 @@ if(RNEAGEN_GENERATOR)
 	rneagen_package(rneagen-command command rneagenCommand)
 	rneagen_package_pc(rneagen)
 	include(gen/cmake/rneagen_add_kernel.cmake)
-	install(FILES gen/cmake/rneagen_add_kernel.cmake gen/cmake/rneagen_declare.cmake gen/cmake/launch.h.in
-		DESTINATION ${package_dir})
 endif()
+install(FILES gen/cmake/rneagen_add_kernel.cmake gen/cmake/rneagen_declare.cmake gen/cmake/launch.h.in
+	DESTINATION ${package_dir})
 if(TARGET rnea)
 	rneagen_package(rnea rnea rneagenRuntime runtime/rnea.h)
 	rneagen_package(rnea_shared rnea_shared rneagenRuntimeShared runtime/rnea.h)

@@ -4,11 +4,12 @@
 #	[PRECISION f32|f64|mixed|f32x2] [LAYOUT soa|aos] [TRIG accurate|bounded|fast] [BASE fixed|floating]
 #	[MIMIC honour|independent] [GRAVITY X,Y,Z] [ORDER J1,J2,...]
 #	[SCENE <line>...]               what of the robot is modelled: each a line of a scene, "want gravity", "lock elbow=1.57"
-#	[OPTIONS <word>...])            further words for the command `rneagen`
+#	[OPTIONS <word>...])            further words for the command `rneagen`; files of --scene and --armature are relative to this
+#	                                CMakeLists.txt
 #
 # Generates the inverse dynamics of the robot when <target> is built, compiles the text into <target> with nvcc or the
 # C compiler, and puts "<name>_rnea.h", which declares its functions (TARGET header: defines them), on the include path.
-# The text is made again when the URDF or the generator changes. <target> is to be made in the same CMakeLists.txt. Where the project
+# The text is made again when the URDF, a file that OPTIONS name, or the generator changes. <target> is to be made in the same CMakeLists.txt. Where the project
 # chooses no build type, and no -O, a C text is compiled with -O2: without it calls take eight times as long.
 include_guard(GLOBAL)
 
@@ -45,7 +46,33 @@ function(rneagen_add_kernel target urdf)
 		list(APPEND words --scene ${scene})
 	endif()
 	rneagen_check_name(${target} ${arg_NAME})
-	rneagen_generate(${target} "${urdf}" ${arg_TARGET} ${arg_NAME} ${words} ${arg_OPTIONS})
+	rneagen_find_files(${target} arg_OPTIONS files)
+	rneagen_generate(${target} "${urdf}" ${arg_TARGET} ${arg_NAME} "${scene};${files}" ${words} ${arg_OPTIONS})
+endfunction()
+
+# Of the options in a variable, those that name files: with whole paths, which a text depends on.
+function(rneagen_find_files target options files)
+	set(found)
+	set(words)
+	set(before)
+	foreach(word IN LISTS ${options})
+		if(word MATCHES "^(-o|--output)")
+			message(FATAL_ERROR "rneagen_add_kernel(${target}): '${word}': where the text goes is not chosen by OPTIONS")
+		endif()
+		if(word MATCHES "^(--scene|--armature)=(.+)$")
+			set(before ${CMAKE_MATCH_1})
+			set(word ${CMAKE_MATCH_2})
+			list(APPEND words ${before})
+		endif()
+		if(before MATCHES "^--scene$" OR (before MATCHES "^--armature$" AND NOT word MATCHES "="))
+			cmake_path(ABSOLUTE_PATH word)
+			list(APPEND found ${word})
+		endif()
+		list(APPEND words ${word})
+		set(before ${word})
+	endforeach()
+	set(${options} ${words} PARENT_SCOPE)
+	set(${files} ${found} PARENT_SCOPE)
 endfunction()
 
 # Two texts of one target are two files, and their functions have two prefixes.
@@ -97,6 +124,7 @@ function(rneagen_choose_language word result)
 		if("CUDA" IN_LIST languages)
 			set(word cuda)
 		endif()
+		message(STATUS "rneagen_add_kernel: TARGET ${word}, since none is named and the project has the language ${word}")
 	endif()
 	if(NOT word MATCHES "^(cuda|c|header)$")
 		message(FATAL_ERROR "rneagen_add_kernel: TARGET is cuda, c or header, not '${word}'")
@@ -109,7 +137,7 @@ function(rneagen_choose_language word result)
 	set(${result} ${word} PARENT_SCOPE)
 endfunction()
 
-function(rneagen_generate target urdf kind name)
+function(rneagen_generate target urdf kind name files)
 	set(directory ${CMAKE_CURRENT_BINARY_DIR}/rneagen/${target})
 	set(header ${directory}/${name}_rnea.h)
 	set(source_cuda ${directory}/${name}_rnea.cu)
@@ -128,7 +156,7 @@ function(rneagen_generate target urdf kind name)
 	add_custom_command(OUTPUT ${outputs}
 		COMMAND rneagen::command ${urdf} -o ${source} ${ARGN}
 		${declare}
-		DEPENDS ${urdf} ${scene} $<TARGET_FILE:rneagen::command>
+		DEPENDS ${urdf} ${files} $<TARGET_FILE:rneagen::command>
 		COMMENT "rneagen: ${name}_rnea" VERBATIM)
 	if(kind STREQUAL "c")
 		rneagen_optimise(${source})

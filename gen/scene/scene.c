@@ -1,24 +1,18 @@
-#include "scene/scene.h"
+#include "scene/scene_words.h"
 #include "base/nearest.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-static const struct word {
-	const char *name;
-	int takes; /* a value: 0 no, 1 yes, 2 may */
-	enum scene_kind kind;
-} WORDS[] = {
+const struct scene_key_word SCENE_WORDS[SCENE_KEY_COUNT] = {
 #define SCENE_KEY_ROW(key, word, takes, kind) [SCENE_##key] = {word, takes, kind},
 	SCENE_KEYS(SCENE_KEY_ROW)
 #undef SCENE_KEY_ROW
 };
 
-static const char BLANKS[] = " \t\r";
-
 const char *scene_word(enum scene_key key)
 {
-	return WORDS[key].name;
+	return SCENE_WORDS[key].name;
 }
 
 enum rneagen_code scene_refuse(
@@ -31,8 +25,10 @@ enum rneagen_code scene_refuse(
 	vsnprintf(what, sizeof what, fmt, ap);
 	va_end(ap);
 	if (!c->told)
-		return error_set(e, RNEAGEN_SCENE, "%s: --%s: %s", s->file, WORDS[c->key].name, what);
-	return error_set(e, RNEAGEN_SCENE, "%s: scene line %d, %s: %s", s->file, c->told, WORDS[c->key].name, what);
+		return error_set(e, RNEAGEN_SCENE, "%s: --%s: %s", s->file, SCENE_WORDS[c->key].name, what);
+	if (c->from)
+		return error_set(e, RNEAGEN_SCENE, "%s:%d: %s: %s", c->from, c->told, SCENE_WORDS[c->key].name, what);
+	return error_set(e, RNEAGEN_SCENE, "%s: scene line %d, %s: %s", s->file, c->told, SCENE_WORDS[c->key].name, what);
 }
 
 struct scene_place scene_place(const struct scene_choice *c)
@@ -40,202 +36,17 @@ struct scene_place scene_place(const struct scene_choice *c)
 	struct scene_place p = {"by an option"};
 
 	if (c->told)
-		snprintf(p.s, sizeof p.s, "in line %d", c->told);
+		snprintf(p.s, sizeof p.s, c->from ? "in line %d of %.255s" : "in line %d", c->told, c->from ? c->from : "");
 	return p;
 }
 
-/* ---- reading ---- */
-
-struct reader {
-	struct scene *s;
-	struct arena *a;
-	struct rneagen_error *e;
-	size_t capacity;
-	int line, told, options; /* this line; the same in messages; lines so far that are options */
-};
-
-/* A copy of `length` bytes without the blanks around them; NULL on failure. */
-static const char *trimmed(struct arena *a, const char *s, size_t length)
+const char *scene_trimmed(struct arena *a, const char *s, size_t length)
 {
-	for (; length && strchr(BLANKS, *s); s++)
+	for (; length && strchr(SCENE_BLANKS, *s); s++)
 		length--;
-	while (length && strchr(BLANKS, s[length - 1]))
+	while (length && strchr(SCENE_BLANKS, s[length - 1]))
 		length--;
 	return arena_string(a, s, length);
-}
-
-/* Where a comment begins: at a # that nothing or a blank stands before. */
-static size_t without_comment(const char *line)
-{
-	size_t i = 0;
-
-	for (; line[i]; i++)
-		if (line[i] == '#' && (i == 0 || strchr(BLANKS, line[i - 1])))
-			break;
-	return i;
-}
-
-static int find_key(const char *word, size_t length)
-{
-	for (int key = 0; key < SCENE_KEY_COUNT; key++)
-		if (strlen(WORDS[key].name) == length && !memcmp(WORDS[key].name, word, length))
-			return key;
-	return -1;
-}
-
-/* Options that say how a text is written, and not what of the robot is modelled. */
-#define OPTIONS " base bounded gravity layout limbs mimic name only order parts precision segments strict target trig "
-
-static enum rneagen_code refuse_word(const struct reader *r, const char *word, size_t length)
-{
-	const char *copy = arena_string(r->a, word, length), *meant;
-	int line = r->told ? r->told : r->line;
-	char whole[16];
-
-	if (!copy)
-		return error_memory(r->e);
-	if (snprintf(whole, sizeof whole, " %s ", copy) < (int)sizeof whole && strstr(OPTIONS, whole))
-		return error_set(r->e, RNEAGEN_SCENE, "%s: scene line %d: '%s' is no word of a scene, but an option: --%s, in CMake a keyword, "
-			"in Python %s=", r->s->file, line, copy, copy, copy);
-	meant = nearest_name(copy, WORDS, SCENE_KEY_COUNT, sizeof *WORDS);
-	return error_set(r->e, RNEAGEN_SCENE, "%s: scene line %d: '%.255s' is not known%s%s%s", r->s->file, line, copy,
-		meant ? "; did you mean '" : "", meant ? meant : "", meant ? "'?" : "");
-}
-
-/* NAME=VALUE at the last =; of a frame that is added at the first, since its value has a link's name. */
-static enum rneagen_code split(const struct reader *r, struct scene_choice *c, const char *value)
-{
-	const char *at = c->key == SCENE_ADD_FRAME ? strchr(value, '=') : strrchr(value, '=');
-
-	if (!at || at == value || !at[1])
-		return scene_refuse(r->s, c, r->e, "takes NAME=%s, not '%.255s'",
-			c->key == SCENE_ADD_FRAME ? "LINK,x,y,z,r,p,y" : "VALUE", value);
-	/* blanks at the ends of a name may be the name's: see settled, and request_add_frame for that of the value */
-	c->name = arena_string(r->a, value, (size_t)(at - value));
-	c->value = c->key == SCENE_ADD_FRAME ? arena_string(r->a, at + 1, strlen(at + 1)) : trimmed(r->a, at + 1, strlen(at + 1));
-	return c->name && c->value ? RNEAGEN_OK : error_memory(r->e);
-}
-
-/* One value cannot be chosen twice. */
-static enum rneagen_code check_once(const struct reader *r, const struct scene_choice *c)
-{
-	enum scene_kind kind = WORDS[c->key].kind;
-
-	for (int i = 0; i < r->s->line_count && (kind == SCENE_VALUE || kind == SCENE_NAME); i++)
-		if (r->s->lines[i].key == c->key)
-			return scene_refuse(r->s, c, r->e, "is also given %s; give it once", scene_place(&r->s->lines[i]).s);
-	return RNEAGEN_OK;
-}
-
-/* One of a few words. */
-static enum rneagen_code check_word(const struct reader *r, const struct scene_choice *c, const char *value)
-{
-	static const char *const words[SCENE_KEY_COUNT][3] = {
-		[SCENE_BESIDE] = {"lock", "drop"}, [SCENE_FEXT_FRAME] = {"link", "world"},
-		[SCENE_DERIVATIVES] = {"forward", "recursion"}, [SCENE_DYNAMICS] = {"auto", "factor", "articulated"},
-		[SCENE_PARAMS] = {"base", "auto", "urdf"}, [SCENE_POSE] = {"rows", "quaternion"},
-		[SCENE_FRAME] = {"world", "world-aligned", "link"}};
-	const char *const *w = words[c->key];
-
-	for (int i = 0; i < 3 && w[i]; i++)
-		if (!strcmp(value, w[i]))
-			return RNEAGEN_OK;
-	if (!*w)
-		return RNEAGEN_OK;
-	return scene_refuse(r->s, c, r->e, "takes %s%s%s or %s, not '%.255s'", w[2] ? w[2] : "", w[2] ? ", " : "",
-		w[0], w[1], value);
-}
-
-static enum rneagen_code add_choice(struct reader *r, enum scene_key key, const char *value)
-{
-	struct scene_choice c = {.key = key, .name = "", .line = r->line, .told = r->told};
-	struct scene_choice *wider;
-
-	if (WORDS[key].takes == 1 && !*value)
-		return scene_refuse(r->s, &c, r->e, "needs a value");
-	if (WORDS[key].takes == 0 && *value)
-		return scene_refuse(r->s, &c, r->e, "takes no value, and '%.255s' is one", value);
-	if (check_once(r, &c) || check_word(r, &c, value))
-		return r->e->code;
-	if (WORDS[key].kind == SCENE_PAIR)
-		split(r, &c, value);
-	else if (WORDS[key].kind == SCENE_VALUE)
-		c.value = *value ? value : NULL;
-	else
-		c.name = value;
-	wider = arena_grow(r->a, r->s->lines, (size_t)r->s->line_count, &r->capacity, sizeof *wider);
-	if (!wider)
-		return error_memory(r->e);
-	r->s->lines = wider;
-	wider[r->s->line_count++] = c;
-	return r->e->code;
-}
-
-/* What stands between quotes, behind which only a comment may follow; \" is a quote, \\ a backslash, \n a line break. */
-static const char *unquoted(const struct reader *r, enum scene_key key, const char *quoted)
-{
-	const struct scene_choice c = {.key = key, .line = r->line, .told = r->told};
-	char *value = arena_string(r->a, quoted, strlen(quoted)), *to = value;
-	const char *s = quoted + 1;
-
-	if (!value) {
-		error_memory(r->e);
-		return NULL;
-	}
-	for (; *s && *s != '"'; s++) {
-		int is_break = *s == '\\' && s[1] == 'n';
-
-		s += *s == '\\' && (s[1] == '"' || s[1] == '\\' || s[1] == 'n');
-		*to++ = is_break ? '\n' : *s;
-	}
-	*to = '\0';
-	if (*s && strspn(s + 1, BLANKS) == without_comment(s + 1))
-		return value;
-	scene_refuse(r->s, &c, r->e, "a value that begins with a quote must end with one: %.255s", quoted);
-	return NULL;
-}
-
-static enum rneagen_code read_line(struct reader *r, const char *line, size_t length)
-{
-	size_t blanks = strspn(line, BLANKS);
-	const char *word, *value;
-	int key, is_option;
-
-	r->line++;
-	if (blanks >= length || line[blanks] == '#')
-		return RNEAGEN_OK;
-	word = trimmed(r->a, line, length);
-	if (!word)
-		return error_memory(r->e);
-	is_option = !strncmp(word, "--", 2);
-	r->options += is_option;
-	r->told = is_option ? 0 : r->line - r->options;
-	word += is_option ? 2 : 0;
-	length = strcspn(word, BLANKS);
-	key = find_key(word, length);
-	if (key < 0)
-		return refuse_word(r, word, length);
-	value = word + length + strspn(word + length, BLANKS);
-	value = *value == '"' ? unquoted(r, (enum scene_key)key, value) : trimmed(r->a, value, without_comment(value));
-	if (!value)
-		return r->e->code ? r->e->code : error_memory(r->e);
-	return add_choice(r, (enum scene_key)key, value);
-}
-
-enum rneagen_code scene_read(
-	struct scene *s, const char *text, const char *file, struct arena *a, struct rneagen_error *e)
-{
-	struct reader r = {.s = s, .a = a, .e = e};
-
-	*s = (struct scene){.file = file};
-	while (text && *text) {
-		size_t length = strcspn(text, "\n");
-
-		if (read_line(&r, text, length))
-			return e->code;
-		text += length + (text[length] == '\n');
-	}
-	return RNEAGEN_OK;
 }
 
 /* ---- names ---- */
@@ -285,7 +96,7 @@ static const char *settled(enum scene_key key, const char *word, size_t length, 
 	}
 	if (!whole || robot_link(r, name) >= 0 || robot_joint(r, name) >= 0)
 		return whole;
-	return trimmed(a, word, length);
+	return scene_trimmed(a, word, length);
 }
 
 /* Does the whole of a list name one thing? */
@@ -326,13 +137,13 @@ static enum rneagen_code put_choice(struct scene *s, const struct scene_choice *
 	c->name = settled(c->key, name, length, r, a);
 	if (!c->name)
 		return error_memory(e);
-	return WORDS[c->key].kind == SCENE_FREED ? split_freed(s, c, r, a, e) : RNEAGEN_OK;
+	return SCENE_WORDS[c->key].kind == SCENE_FREED ? split_freed(s, c, r, a, e) : RNEAGEN_OK;
 }
 
 static enum rneagen_code expand_line(struct scene *s, struct scene_choice *line, const struct robot *r, struct arena *a,
 	struct rneagen_error *e)
 {
-	enum scene_kind kind = WORDS[line->key].kind;
+	enum scene_kind kind = SCENE_WORDS[line->key].kind;
 	int is_list = kind == SCENE_NAMES || kind == SCENE_FREED;
 
 	if (put_choice(s, line, line->name, strlen(line->name), r, a, e))
@@ -386,7 +197,7 @@ const struct scene_choice *scene_next(const struct scene *s, enum scene_key key,
 
 void scene_put_option(const struct scene_choice *line, struct text *t)
 {
-	const struct word *w = &WORDS[line->key];
+	const struct scene_key_word *w = &SCENE_WORDS[line->key];
 	struct text value;
 
 	text_init(&value, t->arena);

@@ -65,8 +65,13 @@ struct scene_choice {
 	const char *name;  /* "" where the key takes a value alone */
 	const char *value; /* "lock", "1.57"; NULL where there is none */
 	int line;          /* of the text, from 1 */
-	int told;          /* the line for messages, which does not count options; 0: it is an option */
+	int told;          /* the line for messages, of its file or of all that are no options; 0: it is an option */
+	const char *from;  /* the file whose line it is; NULL: a scene that is no file */
 };
+
+/* An option line `--scene FILE`: what follows up to the next option are the lines of this file. */
+#define SCENE_OF_FILE "--scene "
+
 
 struct scene {
 	const char *file;           /* the URDF, for messages */
@@ -99,13 +104,13 @@ static inline int scene_choice_count(const struct scene *s)
 /* "lock", "lock-all-but", ... */
 const char *scene_word(enum scene_key key);
 
-/* "in line N", or "by an option". */
+/* "in line N", "in line N of FILE", or "by an option". */
 struct scene_place {
-	char s[24];
+	char s[300];
 };
 struct scene_place scene_place(const struct scene_choice *c);
 
-/* "FILE: scene line N, WORD: what is wrong", or "FILE: --WORD: what is wrong"; error SCENE. */
+/* "FILE:N: WORD: what is wrong" of a file's line; else "URDF: scene line N, WORD: ..." or "URDF: --WORD: ..."; error SCENE. */
 enum rneagen_code scene_refuse(const struct scene *s, const struct scene_choice *c, struct rneagen_error *e,
 	const char *fmt, ...) RNEAGEN_PRINTF(4, 5);
 

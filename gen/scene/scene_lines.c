@@ -1,15 +1,28 @@
 #include "scene/scene_lines.h"
 #include <string.h>
 
-void scene_put_line(enum scene_key key, const char *value, struct text *out)
+static void put_quoted(const char *value, struct text *out)
 {
-	text_printf(out, value ? "--%s \"" : "--%s", scene_word(key));
-	for (const char *s = value ? value : ""; *s; s++) {
+	text_putc(out, '"');
+	for (const char *s = value; *s; s++) {
 		if (*s == '"' || *s == '\\' || *s == '\n')
 			text_putc(out, '\\');
 		text_putc(out, *s == '\n' ? 'n' : *s);
 	}
-	text_put(out, value ? "\"" : "");
+	text_putc(out, '"');
+}
+
+void scene_put_line(enum scene_key key, const char *value, struct text *out)
+{
+	text_printf(out, value ? "--%s " : "--%s", scene_word(key));
+	if (value)
+		put_quoted(value, out);
+}
+
+void scene_put_file(const char *path, struct text *out)
+{
+	text_put(out, SCENE_OF_FILE);
+	put_quoted(strcmp(path, "-") ? path : "standard input", out);
 }
 
 /* "JOINT" NUMBER, quoted as in a scene, becomes "JOINT=NUMBER"; NULL if it is none. */
@@ -51,17 +64,18 @@ static int put_armature(char *line, struct text *out)
 	while (end > line && strchr(" \t\r", end[-1]))
 		*--end = '\0';
 	line += strspn(line, " \t");
+	text_putc(out, '\n');
 	if (!*line || *line == '#')
 		return 1;
 	is_quoted = *line == '"';
 	pair = is_quoted ? join_quoted(line) : join_plain(line);
 	if (!pair)
 		return 0;
-	text_put(out, out->length ? "\n" : "");
+	text_printf(out, "%s ", scene_word(SCENE_ARMATURE));
 	if (is_quoted) /* what is escaped there stays so */
-		text_printf(out, "--%s \"%s\"", scene_word(SCENE_ARMATURE), pair);
+		text_printf(out, "\"%s\"", pair);
 	else
-		scene_put_line(SCENE_ARMATURE, pair, out);
+		put_quoted(pair, out);
 	return 1;
 }
 
@@ -70,6 +84,7 @@ enum rneagen_code scene_put_armature(const char *path, char *content, struct tex
 	int number = 0;
 	char *next;
 
+	scene_put_file(path, out);
 	for (char *line = content; line; line = next) {
 		next = strchr(line, '\n');
 		if (next)

@@ -67,6 +67,14 @@ static void put_operations(const struct emission *e, struct text *out)
 		put_limbs("limbs of the start", emit_start_limbs(e), out);
 }
 
+static int is_gravity_free(const struct request *k)
+{
+	for (int i = 0; i < k->freed_count; i++)
+		if (k->freed[i].kind == FREED_GRAVITY)
+			return 1;
+	return 0;
+}
+
 void info_table(const struct info *x, struct text *out)
 {
 	const struct analysis *a = x->analysis;
@@ -75,7 +83,7 @@ void info_table(const struct info *x, struct text *out)
 
 	text_printf(out, "robot %s (functions %s_...): nq %d, nv %d, %d moving bodies, %.6Lg kg, %.6Lg kg of it fixed to the world\n",
 		t->robot, e->options->name, t->nq, t->nv, t->body_count, total_mass(&a->stated), t->fixed.mass.x);
-	text_put(out, "gravity ");
+	text_put(out, is_gravity_free(&a->request) ? "gravity an input, by default " : "gravity ");
 	for (int i = 0; i < 3; i++)
 		text_printf(out, "%s ", number_plain((double)t->gravity[i].x).s);
 	text_printf(out,

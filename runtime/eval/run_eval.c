@@ -171,6 +171,21 @@ static int open_robot(struct eval *v)
 	return status ? status : command_open(&v->command, v->text.source, &v->robot);
 }
 
+/* A GPU that is named must be there. */
+static enum rneagen_code check_devices(struct eval *v)
+{
+	const struct eval_devices *d = &v->devices;
+
+	if (rnea_build(v->robot)->backend != RNEA_BACKEND_HOST || !d->is_named || v->command.open.backend == RNEA_BACKEND_HOST)
+		return RNEAGEN_OK;
+	if (!d->are_all)
+		return error_set(&v->error, RNEAGEN_UNSUPPORTED, "--device %d: there is no GPU here that it could be; without --device the "
+			"processor computes", d->list[0]);
+	if (!v->command.quiet)
+		fprintf(stderr, "%s: --device all: there is no GPU here: the processor computes\n", v->command.name);
+	return RNEAGEN_OK;
+}
+
 /* What one rank of a machine has compiled the others find in the cache. */
 static int load(struct eval *v)
 {
@@ -193,6 +208,8 @@ static int load(struct eval *v)
 		error_set(&v->error, RNEAGEN_UNSUPPORTED, "%s: takes other arrays than its analysis", info->name);
 	else
 		eval_check_shapes(&v->arrays, info->name, &v->error);
+	if (!v->error.code)
+		check_devices(v);
 	if (rnea_build(v->robot)->backend == RNEA_BACKEND_HOST)
 		v->devices.count = 1;
 	if (!v->error.code && v->devices.count > 1)

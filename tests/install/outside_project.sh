@@ -6,6 +6,7 @@ source=$1 build=$2 work=$3 nvcc=${4-}
 export CFLAGS="-std=c11 -O1 -Wall -Wextra -Wconversion -Werror ${SANITIZE-}"
 export CXXFLAGS="-std=c++17 -O1 -Wall -Wextra -Wconversion -Werror ${SANITIZE-}" LDFLAGS=${SANITIZE-}
 prefix=$work/moved outside=$work/tests/outside
+components="COMPONENTS;command"
 unset CMAKE_PREFIX_PATH rneagen_DIR
 
 fail() {
@@ -30,7 +31,8 @@ project() {
 refused() {
 	local log=$work/bad.log
 
-	if cmake -S "$outside/bad" -B "$work/bad" -D CMAKE_PREFIX_PATH="$prefix" -D CALL="$2" >"$log" 2>&1; then
+	rm -rf "$work/bad"
+	if cmake -S "$outside/bad" -B "$work/bad" -D CMAKE_PREFIX_PATH="$prefix" -D COMPONENTS="$components" -D CALL="$2" >"$log" 2>&1; then
 		fail "not refused: $2"
 	fi
 	tr -s '[:space:]' ' ' <"$log" | grep -qF -- "$1" || { cat "$log"; fail "wrong message for: $2"; }
@@ -76,6 +78,14 @@ by_pkg_config() {
 	unset LD_LIBRARY_PATH
 }
 
+# Another rotor, in a file that an option names, has other torques.
+follows_its_files() {
+	"$work/c/kernel_files" || fail "a file that an option names is not read"
+	sed -i 's/0.06/0.5/' "$outside/rotors.txt"
+	cmake --build "$work/c" >/dev/null
+	! "$work/c/kernel_files" || fail "the rotors changed and the torques did not"
+}
+
 # A heavier pendulum has other torques, and nothing else is made again.
 follows_the_urdf() {
 	local urdf=$work/tests/robots/pendulum.urdf
@@ -97,6 +107,7 @@ install_moved "$build"
 project "$outside" c
 project "$outside" cxx -D OUTSIDE_CXX=ON -D CMAKE_CUDA_COMPILER="$nvcc"
 by_pkg_config
+follows_its_files
 follows_the_urdf
 refused "there is no target 'none'" 'rneagen_add_kernel(none a.urdf)'
 refused "target 'theirs' is made elsewhere" 'rneagen_add_kernel(theirs a.urdf)'
@@ -108,10 +119,14 @@ refused "it has a text named 'a' already: give this one another NAME" $'enable_l
 refused "TARGET is cuda, c or header, not 'rust'" 'rneagen_add_kernel(mine a.urdf TARGET rust)'
 refused "TARGET cuda needs the language CUDA" 'rneagen_add_kernel(mine a.urdf TARGET cuda)'
 refused "TARGET c needs the language C" 'rneagen_add_kernel(mine a.urdf)'
+refused "where the text goes is not chosen by OPTIONS" 'enable_language(C)
+	rneagen_add_kernel(mine a.urdf OPTIONS -o a.c)'
 
 cmake -S "$source" -B "$work/build" -D RNEAGEN_GENERATOR=OFF -D RNEAGEN_TESTS=OFF >/dev/null
 cmake --build "$work/build" >/dev/null
 install_moved "$work/build"
 [[ ! -e $prefix/bin/rneagen ]] || fail "a generator was installed that was not to be built"
 project "$outside/runtime" runtime
+components=
+refused "this rneagen was installed without its generator" 'rneagen_add_kernel(mine a.urdf)'
 [[ -n $nvcc ]] || echo "skipped: the CUDA target, for there is no nvcc"

@@ -88,7 +88,7 @@ def armature_of(path: str) -> list[str]:
     """A file of rotor inertias, as pairs."""
     with open(path, encoding="utf-8") as file:
         text = translated(_core.armature, path, file.read())
-    pairs = (line.partition('"')[2][:-1] for line in text.split("\n") if line)  # --armature "JOINT=KG_M2"
+    pairs = (line.partition('"')[2][:-1] for line in text.split("\n")[1:] if line)  # armature "JOINT=KG_M2"
     return [re.sub(r"\\(.)", lambda found: found[1].replace("n", "\n"), pair) for pair in pairs]
 
 
@@ -149,7 +149,7 @@ def lines(options: dict[str, Any]) -> str:
     text = []
     for keyword, x in options.items():
         if keyword == "scene" and x is not None:
-            text.append(x.text)
+            text += [f"--scene{quoted(x.path)}", x.text]
         elif keyword.replace("_", "-") in SCENE:
             for value in values(keyword, x):
                 text.append(f"--{keyword.replace('_', '-')}{'' if value is None else quoted(value)}")
