@@ -15,6 +15,7 @@ DEVICES = ("cpu", "cuda", "meta")
 PLANS = 256  # that are kept
 lock = threading.RLock()
 _stream_of = getattr(torch._C, "_cuda_getCurrentRawStream", None) or (lambda i: torch.cuda.current_stream(i).cuda_stream)
+_increment_version = getattr(torch._C, "_increment_version", torch.autograd.graph.increment_version)
 _transforms_active = getattr(torch._C, "_are_functorch_transforms_active", lambda: False)
 
 
@@ -226,7 +227,7 @@ class Operator:
         given: Any = tensors[len(self.inputs):]
         plan, every = self.check_given(self.one_piece(tensors[:len(self.inputs)]), given)
         self.launch(plan, every)
-        torch.autograd.graph.increment_version(given)  # who has kept them for a gradient is told
+        _increment_version(given)  # who has kept them for a gradient is told
 
     def step(self, tensors: Sequence[Tensor | None], outputs: Sequence[Tensor] | None, result: Any):
         """A step that launches again and returns `result`, or the outputs that are made here."""
@@ -239,13 +240,12 @@ class Operator:
         addresses, *rest = plan.where(every)
         # whoever takes a tensor's memory away leaves that of its view to the step, which then says so
         launch = plan.kernel.bind(addresses, *rest, result, (every, [x.detach() for x in every]))
-        names = [*(a.name for a in self.inputs), *("out" for _ in outputs)]
+        names, bound = [*(a.name for a in self.inputs), *("out" for _ in outputs)], list(addresses)
 
         def step():
-            for x, address in zip(every, addresses):
-                if x.data_ptr() != address:
-                    moved = next(n for n, x, address in zip(names, every, addresses) if x.data_ptr() != address)
-                    raise RuntimeError(f"{moved}: its memory is another than when it was bound; bind it again")
+            if [x.data_ptr() for x in every] != bound:
+                moved = next(n for n, x, address in zip(names, every, bound) if x.data_ptr() != address)
+                raise RuntimeError(f"{moved}: its memory is another than when it was bound; bind it again")
             return launch()
         return step
 

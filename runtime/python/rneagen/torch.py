@@ -120,8 +120,10 @@ def call(robot, arrays: Sequence[Any], out: Any):
         arrays = widened(arrays)
     if out is not None:
         outputs = _arrays.tuple_out(robot, out, "tensors")
-        refuse_gradient("a call with out=", robot, arrays, outputs)
-        function_for(robot, (*arrays, *outputs), True)(*arrays, *outputs)
+        every = (*arrays, *outputs)
+        if _is_traced() or not is_direct(every):
+            refuse_gradient("a call with out=", robot, arrays, outputs)
+        function_for(robot, every, True)(*every)
         return out
     if _is_traced() and is_transformed():
         made = transformed(robot._key, *arrays)
