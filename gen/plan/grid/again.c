@@ -293,11 +293,14 @@ void again_make(struct dag *out, const struct dag *d, const struct tree *t, int 
 
 /* ---- the length of the stretches ---- */
 
+int again_is_of(const struct parts_of *x)
+{
+	return x->tree->nv > 0 && !x->request->is_forward && request_wants(x->request, WANT_VJP);
+}
+
 int again_serves(const struct parts_of *x)
 {
-	const struct rneagen_options *o = x->options;
-
-	return x->tree->nv > 0 && !x->request->is_forward && request_wants(x->request, WANT_VJP) && o->precision == RNEAGEN_F64;
+	return again_is_of(x) && x->options->precision == RNEAGEN_F64;
 }
 
 /* Of a share whose products are joined to sums. */

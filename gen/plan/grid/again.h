@@ -16,7 +16,8 @@ void again_make(struct dag *out, const struct dag *d, const struct tree *t, int 
 /* Do the rows of each joint stand after those of what carries it? */
 int again_is_ordered(const struct tree *t);
 
-/* Can it serve this text: a vjp of torques, in f64, whose kernels have parts? */
+/* Is it for this text: a vjp of torques? And does it serve parts of it: in f64? In f32 values have room there. */
+int again_is_of(const struct parts_of *x);
 int again_serves(const struct parts_of *x);
 
 /* A function of its own of the share of an owner, its lines ordered, with stretches of the length that costs least: p->joints, or

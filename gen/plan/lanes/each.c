@@ -17,7 +17,7 @@ enum { LIMBS = 2 };
    (each_threads.c), the same: atlas 754, 726, 754; g1_29dof 736, 690 to 755, 726; jvrc1 1231, 1389, 1550; g1_d_wheeled 943,
    964, 1097; romeo 656, 661, 628 to 646. */
 static const int LENGTHS[] = {0, 4, 3, 2};
-enum { ROOM = 110 };
+enum { ROOM = 110, FULL_SINGLE = 340 };
 static const double COST_BEYOND = 40;
 
 /* ---- which groups of limbs ---- */
@@ -253,13 +253,36 @@ static int cost_of(double *cost, struct trial *y, const struct function *of, int
 	return done;
 }
 
+/* In f32 registers have room for more: only where more wait, all motion kept, than FULL_SINGLE. H200, 1 M samples of the torques with
+   their vjp, ps, motion kept and made again, in brackets us of 16384 and of 65536: g1_brainco, 382 values, 2646 and 2464 (46 and 38,
+   157 and 150), by threads 2124 (27, 144); jvrc1, 330, 468 and 486 (16.5 and 17.5, 67 both); pr2, 247, 291 and 259 (10.2 and 11.8,
+   24 and 25); g1_d_wheeled, 329, whole 512, in a loop so 467 (15.5 and 17.9, 104 and 49). Returns 0 when memory runs out. */
+static int may_be_again(int *may_be, struct trial *y, const struct function *of)
+{
+	struct function p = *of;
+	struct arena a;
+	int serves, done, most = 0;
+
+	*may_be = again_is_of(y->x) && again_is_ordered(y->x->tree);
+	if (!*may_be || y->x->options->precision == RNEAGEN_F64)
+		return 1;
+	arena_init(&a, y->x->options->allocator);
+	done = make(y, &p, 0, &serves, &a) && readings_alive(&most, &p.plan, &a);
+	*may_be = serves && most > FULL_SINGLE;
+	arena_free(&a);
+	return done;
+}
+
 /* The length that costs least, where motion may be made again. Returns 0 when memory runs out. */
 static int choose_length(int *joints, struct trial *y, const struct function *of)
 {
 	double least = -1;
+	int may_be;
 
 	*joints = 0;
-	if (!again_serves(y->x) || !again_is_ordered(y->x->tree))
+	if (!may_be_again(&may_be, y, of))
+		return 0;
+	if (!may_be)
 		return 1;
 	for (size_t i = 0; i < sizeof LENGTHS / sizeof *LENGTHS; i++) {
 		double cost;

@@ -32,7 +32,8 @@ static const struct subject {
 	{{6, 7, 5, MIRRORED}, "", NULL, RNEAGEN_F64, 1, 2, 0, 1, 1},
 	{{6, 7, 3, UNEVEN}, "", NULL, RNEAGEN_F64, 0, 0, 0, 0, 1}, /* only the legs are alike, and fingers */
 	{{6, 7, 2, MIRRORED}, "want tau,vjp\n", NULL, RNEAGEN_F64, 0, 2, 1, 1, 0},
-	{{6, 14, 0, MIRRORED}, "want tau,vjp\n", NULL, RNEAGEN_F32, 0, 2, 0, 0, 1},
+	{{6, 10, 0, MIRRORED}, "want tau,vjp\n", NULL, RNEAGEN_F32, 0, 2, 1, 0, 1},
+	{{6, 11, 0, MIRRORED}, "want tau,vjp\n", NULL, RNEAGEN_F32, 0, 2, 1, 1, 1}, /* more values than registers hold */
 	{{4, 5, 1, MIRRORED}, "want tau,bias,gravity\n", NULL, RNEAGEN_F64, 0, 2, 0, 1, 1},
 	{{6, 7, 3, MIRRORED}, "want tau,vjp\nfold qdd=0\n", NULL, RNEAGEN_F64, 0, 2, 1, 1, 1},
 	/* a wrench that the other limb does not feel */
