@@ -253,10 +253,11 @@ static int cost_of(double *cost, struct trial *y, const struct function *of, int
 	return done;
 }
 
-/* In f32 registers have room for more: only where more wait, all motion kept, than FULL_SINGLE. H200, 1 M samples of the torques with
-   their vjp, ps, motion kept and made again, in brackets us of 16384 and of 65536: g1_brainco, 382 values, 2646 and 2464 (46 and 38,
-   157 and 150), by threads 2124 (27, 144); jvrc1, 330, 468 and 486 (16.5 and 17.5, 67 both); pr2, 247, 291 and 259 (10.2 and 11.8,
-   24 and 25); g1_d_wheeled, 329, whole 512, in a loop so 467 (15.5 and 17.9, 104 and 49). Returns 0 when memory runs out. */
+/* In f32 registers have room for more: only where more wait, all motion kept, than FULL_SINGLE. H200, 1 M samples of the
+   torques with their vjp, ps, motion kept and made again, in brackets us of 16384 and of 65536: g1_brainco, 382 values, 2646
+   and 2464 (46 and 38, 157 and 150), by threads 2124 (27, 144); jvrc1, 330, 468 and 486 (16.5 and 17.5, 67 both); pr2, 247, 291
+   and 259 (10.2 and 11.8, 24 and 25); g1_d_wheeled, 329, whole 512, in a loop so 467 (15.5 and 17.9, 104 and 49). Returns 0
+   when memory runs out. */
 static int may_be_again(int *may_be, struct trial *y, const struct function *of)
 {
 	struct function p = *of;
