@@ -59,7 +59,8 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --lock-all-but J1,J2,...   hold all other joints at zero\n"                                                 \
 	"  --fold NAME=VALUE          an input that is known: qdd=0, qd.JOINT=0, tau=0, gravity=0,0,0\n"                      \
 	"  --free N1,N2,...           constants that become inputs: gravity, mass.LINK, inertia.LINK, payload.LINK,\n" \
-	"                             offset.JOINT; NAME:batch one for all samples, NAME:sample one for each\n"        \
+	"                             offset.JOINT; armature, damping, friction, of all joints, or damping.JOINT;\n"   \
+	"                             NAME:batch one for all samples, NAME:sample one for each\n"                      \
 	"  --want N1,N2,...           what is computed: tau, gravity, bias, wrench.JOINT, twist.LINK, accel.LINK, power,\n" \
 	"                             kinetic, potential, regressor, dtau_dq, dtau_dqd, M, jvp, vjp; dtau_dNAME by what\n" \
 	"                             is free;\n"                                                                         \
