@@ -143,6 +143,11 @@ static int add_scene(const char *command, struct rneagen_options *o, const char 
 	return 0;
 }
 
+static int add_text(const char *command, struct rneagen_options *o, const struct text *lines)
+{
+	return add_scene(command, o, lines->failed ? NULL : text_string(lines), lines->length);
+}
+
 /* The first line of a text that begins with dashes, as options do; NULL where none does. */
 static const char *find_dashes(const char *text)
 {
@@ -184,7 +189,7 @@ static int add_file_name(const char *command, struct rneagen_options *o, const c
 	arena_init(&a, NULL);
 	text_init(&line, &a);
 	scene_put_file(path, &line);
-	bad = add_scene(command, o, line.failed ? NULL : text_string(&line), line.length);
+	bad = add_text(command, o, &line);
 	arena_free(&a);
 	return bad;
 }
@@ -213,7 +218,7 @@ static int take_scene_line(const char *command, struct rneagen_options *o, enum 
 	arena_init(&a, NULL);
 	text_init(&line, &a);
 	scene_put_line(key, value, &line);
-	bad = add_scene(command, o, line.failed ? NULL : text_string(&line), line.length);
+	bad = add_text(command, o, &line);
 	arena_free(&a);
 	return bad;
 }
@@ -235,7 +240,7 @@ static int take_armature(const char *command, struct rneagen_options *o, const c
 	if (!bad && scene_put_armature(path, f.bytes, &lines, &e) == RNEAGEN_SCENE)
 		bad = option_refuse(command, "%s", e.message);
 	if (!bad && (lines.failed || lines.length))
-		bad = add_scene(command, o, lines.failed ? NULL : text_string(&lines), lines.length);
+		bad = add_text(command, o, &lines);
 	arena_free(&a);
 	free(f.bytes);
 	return bad;

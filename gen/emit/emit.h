@@ -267,6 +267,7 @@ int emit_has_segments(const struct emission *e);
 void emit_segments(const struct emission *e, const struct function *p, struct text *out);
 void emit_segments_one(const struct emission *e, const struct function *p, struct text *out);
 void emit_segments_group(const struct emission *e, const struct function *p, const char *where_small, struct text *out);
+const struct function *emit_many_of(const struct function *p); /* what a batch runs: its own, or the function itself */
 int emit_segments_lanes(const struct emission *e, const struct function *p); /* samples of such a group */
 
 /* What a call of one sample runs in lanes, and a batch does not; NULL: there is nothing. Its bodies, and the call, of a function

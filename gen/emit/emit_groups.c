@@ -54,9 +54,7 @@ static int has_input(const struct function *p)
    batches run, the answer is the same. */
 static int has_few(const struct emission *e, const struct function *p)
 {
-	const struct function *many = p->many ? p->many : p;
-
-	return has_input(p) && group_of(e, p) * sample_bytes(e, p) <= ROOM_BYTES && !many->dag.loop_count;
+	return has_input(p) && group_of(e, p) * sample_bytes(e, p) <= ROOM_BYTES && !emit_many_of(p)->dag.loop_count;
 }
 
 static int is_turned(const struct emission *e, const struct function *p)

@@ -175,8 +175,7 @@ static void put_segments(const struct emission *e, const struct function *p, str
 			put_segment(e, p, k, &w, &spare, out);
 }
 
-/* What a batch runs. */
-static const struct function *many_of(const struct function *p)
+const struct function *emit_many_of(const struct function *p)
 {
 	return p->many ? p->many : p;
 }
@@ -198,7 +197,7 @@ void emit_segments(const struct emission *e, const struct function *p, struct te
 	int has_own = p->single || !emit_has_batches(e);
 
 	if (emit_has_batches(e))
-		put_segments(e, many_of(p), out);
+		put_segments(e, emit_many_of(p), out);
 	if (lanes_of(p)) {
 		text_put(out, EMIT_IF_LANES);
 		put_segments(e, lanes_of(p), out);
@@ -367,7 +366,7 @@ void emit_lanes_call(const struct emission *e, const struct function *of, struct
 void emit_segments_one(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
-		{"MANY", emit_has_batches(e) ? many_functions(e, many_of(p)) : ""}, {"FUNCTIONS", one_functions(e, p)},
+		{"MANY", emit_has_batches(e) ? many_functions(e, emit_many_of(p)) : ""}, {"FUNCTIONS", one_functions(e, p)},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"ONE_BODY", one_body(e, p)}};
 
 	text_put(out, emit_lanes_instead(e, p) ? EMIT_UNLESS_LANES : "");
@@ -381,12 +380,12 @@ void emit_segments_group(const struct emission *e, const struct function *p, con
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"GROUP", emit_int(e, emit_segments_lanes(e, p))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
 		{"WHERE_SMALL", where_small}, {"COUNT_PARAM", emit_count_param(emit_groups_layout(e, p))},
-		{"CALLS", lanes_calls(e, many_of(p))}, {"DECLARATIONS", emit_columns_many_declarations(e, many_of(p))}};
+		{"CALLS", lanes_calls(e, emit_many_of(p))}, {"DECLARATIONS", emit_columns_many_declarations(e, emit_many_of(p))}};
 
 	template_expand(out, template_group_segments_in, slots, sizeof slots / sizeof *slots);
 }
 
 int emit_segments_lanes(const struct emission *e, const struct function *p)
 {
-	return emit_lanes(e, &many_of(p)->segments);
+	return emit_lanes(e, &emit_many_of(p)->segments);
 }

@@ -10,9 +10,9 @@ void scene_put_line(enum scene_key key, const char *value, struct text *out);
 /* The line before those of a file. */
 void scene_put_file(const char *path, struct text *out);
 
-/* The lines of a file of rotor inertias, JOINT KG_M2 each, as lines of a scene's file with a break between them, the first of which
-   names it. A joint may stand in quotes, as in a scene; what stands after a # at the beginning of a line is a comment. `content` is
-   changed; `path` is what messages call the file. Errors: SCENE, which names the file and the line. */
+/* The lines of a file of rotor inertias, JOINT KG_M2 each, as lines of a scene's file with a break between them, the first of
+   which names it. A joint may stand in quotes, as in a scene; what stands after a # at the beginning of a line is a comment.
+   `content` is changed; `path` is what messages call the file. Errors: SCENE, which names the file and the line. */
 enum rneagen_code scene_put_armature(const char *path, char *content, struct text *out, struct rneagen_error *e);
 
 #endif

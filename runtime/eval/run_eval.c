@@ -172,18 +172,17 @@ static int open_robot(struct eval *v)
 }
 
 /* A GPU that is named must be there. */
-static enum rneagen_code check_devices(struct eval *v)
+static void check_devices(struct eval *v)
 {
 	const struct eval_devices *d = &v->devices;
 
 	if (rnea_build(v->robot)->backend != RNEA_BACKEND_HOST || !d->is_named || v->command.open.backend == RNEA_BACKEND_HOST)
-		return RNEAGEN_OK;
+		return;
 	if (!d->are_all)
-		return error_set(&v->error, RNEAGEN_UNSUPPORTED, "--device %d: there is no GPU here that it could be; without --device the "
+		error_set(&v->error, RNEAGEN_UNSUPPORTED, "--device %d: there is no GPU here that it could be; without --device the "
 			"processor computes", d->list[0]);
-	if (!v->command.quiet)
+	else if (!v->command.quiet)
 		fprintf(stderr, "%s: --device all: there is no GPU here: the processor computes\n", v->command.name);
-	return RNEAGEN_OK;
 }
 
 /* What one rank of a machine has compiled the others find in the cache. */

@@ -239,57 +239,47 @@ static int make(struct trial *y, struct function *p, int joints, int *serves, st
 	return done;
 }
 
-/* What a length costs; less than 0 where it does not serve. Returns 0 when memory runs out. */
-static int cost_of(double *cost, struct trial *y, const struct function *of, int joints)
+/* What a length costs, less than 0 where it does not serve, and how many values wait. Returns 0 when memory runs out. */
+static int cost_of(double *cost, int *most, struct trial *y, const struct function *of, int joints)
 {
 	struct function p = *of;
 	struct arena a;
-	int serves, done, most = 0;
+	int serves, done;
 
+	*most = 0;
 	arena_init(&a, y->x->options->allocator);
-	done = make(y, &p, joints, &serves, &a) && readings_alive(&most, &p.plan, &a);
-	*cost = !done || !serves ? -1 : plan_flops(plan_operations(&p.plan)) + (most > ROOM ? COST_BEYOND * (most - ROOM) : 0);
+	done = make(y, &p, joints, &serves, &a) && readings_alive(most, &p.plan, &a);
+	*cost = !done || !serves ? -1 : plan_flops(plan_operations(&p.plan)) + (*most > ROOM ? COST_BEYOND * (*most - ROOM) : 0);
 	arena_free(&a);
 	return done;
 }
 
-/* In f32 registers have room for more: only where more wait, all motion kept, than FULL_SINGLE. H200, 1 M samples of the
+/* Is all motion kept, of which so many values wait, or nothing serves? In f32 registers have room for more: motion is made
+   again only where more wait, all motion kept, than FULL_SINGLE. H200, 1 M samples of the
    torques with their vjp, ps, motion kept and made again, in brackets us of 16384 and of 65536: g1_brainco, 382 values, 2646
    and 2464 (46 and 38, 157 and 150), by threads 2124 (27, 144); jvrc1, 330, 468 and 486 (16.5 and 17.5, 67 both); pr2, 247, 291
-   and 259 (10.2 and 11.8, 24 and 25); g1_d_wheeled, 329, whole 512, in a loop so 467 (15.5 and 17.9, 104 and 49). Returns 0
-   when memory runs out. */
-static int may_be_again(int *may_be, struct trial *y, const struct function *of)
+   and 259 (10.2 and 11.8, 24 and 25); g1_d_wheeled, 329, whole 512, in a loop so 467 (15.5 and 17.9, 104 and 49). */
+static int keeps_all(const struct trial *y, double cost, int most)
 {
-	struct function p = *of;
-	struct arena a;
-	int serves, done, most = 0;
-
-	*may_be = again_is_of(y->x) && again_is_ordered(y->x->tree);
-	if (!*may_be || y->x->options->precision == RNEAGEN_F64)
-		return 1;
-	arena_init(&a, y->x->options->allocator);
-	done = make(y, &p, 0, &serves, &a) && readings_alive(&most, &p.plan, &a);
-	*may_be = serves && most > FULL_SINGLE;
-	arena_free(&a);
-	return done;
+	return y->x->options->precision == RNEAGEN_F32 && (cost < 0 || most <= FULL_SINGLE);
 }
 
 /* The length that costs least, where motion may be made again. Returns 0 when memory runs out. */
 static int choose_length(int *joints, struct trial *y, const struct function *of)
 {
 	double least = -1;
-	int may_be;
 
 	*joints = 0;
-	if (!may_be_again(&may_be, y, of))
-		return 0;
-	if (!may_be)
+	if (!again_is_of(y->x) || !again_is_ordered(y->x->tree))
 		return 1;
 	for (size_t i = 0; i < sizeof LENGTHS / sizeof *LENGTHS; i++) {
 		double cost;
+		int most;
 
-		if (!cost_of(&cost, y, of, LENGTHS[i]))
+		if (!cost_of(&cost, &most, y, of, LENGTHS[i]))
 			return 0;
+		if (LENGTHS[i] == 0 && keeps_all(y, cost, most))
+			return 1;
 		if (cost >= 0 && (least < 0 || cost < least)) {
 			least = cost;
 			*joints = LENGTHS[i];

@@ -134,8 +134,8 @@ def to_front(array, x, dim, size: int):
 
 
 def spread(array, x, lead: tuple[int, ...]):
-    """A constant, with the axis of vmap or without, for each sample."""
-    own = x.reshape(lead[0], *[1] * (len(lead) - 1), *array.shape) if x.ndim > len(array.shape) else x
+    """A constant, or its tangent, with the axis of vmap alone, with all axes of samples or without, for each sample."""
+    own = x.reshape(lead[0], *[1] * (len(lead) - 1), *array.shape) if x.ndim == len(array.shape) + 1 else x
     return jnp.broadcast_to(own, (*lead, *array.shape))
 
 
@@ -224,8 +224,7 @@ def tangent_to_front(array, x, dim, lead: tuple[int, ...], is_apart: bool):
         return to_front(dataclasses.replace(array, per_batch=False), x, dim, lead[0])
     if dim is None:
         return x
-    x = jnp.moveaxis(x, dim, 0)
-    return jnp.broadcast_to(x.reshape(lead[0], *[1] * (len(lead) - 1), *array.shape) if own else x, (*lead, *array.shape))
+    return spread(array, jnp.moveaxis(x, dim, 0), lead)
 
 
 batching.primitive_batchers[tangent_p] = batch_tangent

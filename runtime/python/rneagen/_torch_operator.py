@@ -197,8 +197,7 @@ class Operator:
 
     def explain_memory(self, tensors: Sequence[Tensor]) -> None:
         """Raise what is wrong with tensors that have no address: cheap checks do not tell `meta` from the processor."""
-        for array, x in zip((*self.inputs, *self.outputs), tensors):
-            name = "out" if array.is_output else array.name
+        for name, x in zip(names_of(self.robot), tensors):
             check_tensor(name, x, self.inputs[0].name, tensors[0])
             if x.numel() and not x.data_ptr():
                 raise ValueError(f"{name}: it has no memory: it was freed, or PyTorch has not written it; {name}.clone() is a "
@@ -240,11 +239,11 @@ class Operator:
         addresses, *rest = plan.where(every)
         # whoever takes a tensor's memory away leaves that of its view to the step, which then says so
         launch = plan.kernel.bind(addresses, *rest, result, (every, [x.detach() for x in every]))
-        names, bound = [*(a.name for a in self.inputs), *("out" for _ in outputs)], list(addresses)
+        bound = list(addresses)
 
         def step():
             if [x.data_ptr() for x in every] != bound:
-                moved = next(n for n, x, address in zip(names, every, bound) if x.data_ptr() != address)
+                moved = next(n for n, x, address in zip(names_of(self.robot), every, bound) if x.data_ptr() != address)
                 raise RuntimeError(f"{moved}: its memory is another than when it was bound; bind it again")
             return launch()
         return step
@@ -265,6 +264,11 @@ class Plan(NamedTuple):
 
     def launch(self, tensors: Sequence[Any]) -> None:
         self.kernel.launch(*self.where(tensors))
+
+
+def names_of(robot) -> list[str]:
+    """What messages call the tensors of a call, inputs and then outputs."""
+    return [*(a.name for a in robot.inputs), *("out" for _ in robot.outputs)]
 
 
 def check_tensor(name: str, x: Tensor, first: str, like: Tensor) -> None:

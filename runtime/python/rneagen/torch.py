@@ -26,7 +26,7 @@ from torch import Tensor
 from torch.autograd import forward_ad
 
 from . import _arrays, _robot
-from ._torch_operator import Operator, is_plain, lock
+from ._torch_operator import Operator, is_plain, lock, names_of
 
 HALVES = (torch.float16, torch.bfloat16)
 _operators: dict[str, Operator] = {}
@@ -54,11 +54,13 @@ def name_of(key: str, is_out: bool) -> str:
 def function_for(robot, tensors: Sequence[Any], is_out: bool):
     """What computes these: the operator, what torch.func takes, or where PyTorch's dispatcher has nothing to do the
     function alone."""
-    if _is_traced():
-        return getattr(torch.ops.rneagen, name_of(robot._key, is_out)).default
-    operator = robot.__dict__.get("_torch") or operator_of(robot)
-    if is_direct(tensors):
+    operator = None if _is_traced() else robot.__dict__.get("_torch") or operator_of(robot)
+    if operator and is_direct(tensors):
         return operator.run_out if is_out else operator.run
+    if is_out:
+        refuse_gradient("a call with out=", robot, tensors)
+    if not operator:
+        return getattr(torch.ops.rneagen, name_of(robot._key, is_out)).default
     return operator.op_out if is_out else operator.op if is_plain() else operator.function.apply
 
 
@@ -77,18 +79,17 @@ def transformed(key: str, *tensors: Tensor | None):
 
 @torch.compiler.disable
 def beside_graph(robot, arrays: Sequence[Any], out: Any):
-    """Within a transform torch.compile leaves a call out of its graph: an operator of torch.library has no derivative forward.
-    Nor does it make graphs of what runs then, in which no transform would be under way."""
+    """What runs beside a graph of torch.compile: it makes no graphs of its parts, in which no transform would be under way."""
     return call(robot, arrays, out)
 
 
-def refuse_gradient(what: str, robot, arrays: Sequence[Tensor | None], outputs: Sequence[Tensor] = ()) -> None:
-    """Nobody would see what is written into a tensor."""
+def refuse_gradient(what: str, robot, tensors: Sequence[Tensor | None]) -> None:
+    """Of inputs, then outputs: nobody would see what is written into a tensor."""
     if torch.is_grad_enabled():
-        for name, x in (*((a.name, x) for a, x in zip(robot.inputs, arrays)), *(("out", x) for x in outputs)):
+        for name, x in zip(names_of(robot), tensors):
             if x is not None and x.requires_grad:
                 raise ValueError(f"{name}: it requires a gradient, and {what} has none; {name}.detach() has the same numbers")
-    if is_transformed() if _is_traced() else not is_plain() and any(map(is_followed, (*arrays, *outputs))):
+    if is_transformed() if _is_traced() else not is_plain() and any(map(is_followed, tensors)):
         raise ValueError(f"{what} has no derivatives, forward or by torch.func: leave out= out")
 
 
@@ -121,8 +122,6 @@ def call(robot, arrays: Sequence[Any], out: Any):
     if out is not None:
         outputs = _arrays.tuple_out(robot, out, "tensors")
         every = (*arrays, *outputs)
-        if _is_traced() or not is_direct(every):
-            refuse_gradient("a call with out=", robot, arrays, outputs)
         function_for(robot, every, True)(*every)
         return out
     if _is_traced() and is_transformed():
@@ -140,7 +139,7 @@ def constant(values: ndarray, shape: tuple[int, ...], like: Tensor) -> Tensor:
 def bind(robot, arrays: Sequence[Any], out: Any):
     """A step on tensors, in the stream that is current now; it has no gradient."""
     outputs = None if out is None else _arrays.tuple_out(robot, out, "tensors")
-    refuse_gradient("a bound step", robot, arrays, outputs or ())
+    refuse_gradient("a bound step", robot, (*arrays, *(outputs or ())))
     return operator_of(robot).step(arrays, outputs, out)
 
 
