@@ -162,8 +162,8 @@ static enum rneagen_code limbs_make_all(struct generation *g)
 
 	if ((!are_apart && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
 		return a->error->code;
-	if (are_apart && g->part_count > 1)
-		limbs_beside_parts(&g->functions[0].limbs, &a->request, &a->options);
+	if (are_apart)
+		limbs_beside_parts(&g->functions[0].limbs, g->part_count, &a->request, &a->options);
 	return !g->relay || relay_limbs(g->relay, &a->request, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 

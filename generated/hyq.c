@@ -71,6 +71,9 @@
 #if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
 #error "this text relies on IEEE arithmetic: compile it without -ffast-math"
 #endif
+#if defined __clang__ && __clang_major__ >= 12 && !defined __CUDACC__ /* which tells nothing of such flags */
+#pragma clang fp reassociate(off)
+#endif
 #if defined __GNUC__
 #define RNEA_INLINE inline __attribute__((always_inline))
 #else

@@ -9,7 +9,7 @@
  *   bpass: 56 mul, 72 add, 8 sub, 29 neg, 116 fma, 12 sincos = 368 flops
  * From 524288 samples on hyq_rnea_launch takes hyq_rnea_part0_kernel and so on, one for each part, instead, where
  * the rows of all arrays begin at multiples of 16 bytes.
- * Up to 1024 samples hyq_rnea_launch takes the kernel hyq_rnea_limbs, whose 4 warps share out each sample.
+ * Up to 8192 samples hyq_rnea_launch takes the kernel hyq_rnea_limbs, whose 4 warps share out each sample.
  *
  * Joints:
  *   q[0..6] qd[0..5] floating base
@@ -72,6 +72,9 @@
 
 #if defined __FAST_MATH__ || defined __ASSOCIATIVE_MATH__
 #error "this text relies on IEEE arithmetic: compile it without -ffast-math"
+#endif
+#if defined __clang__ && __clang_major__ >= 12 && !defined __CUDACC__ /* which tells nothing of such flags */
+#pragma clang fp reassociate(off)
 #endif
 #if defined __GNUC__
 #define RNEA_INLINE inline __attribute__((always_inline))
@@ -2359,7 +2362,7 @@ RNEA_INFO const char hyq_info[] =
 	"operations 316 177 106 88 507 12\n"
 	"part_kernels 524288 1 64 90\n"
 	"tiles 0 19 1 18 2 18 3 18\n"
-	"limbs 4 2 3712 1024\n"
+	"limbs 4 2 3712 8192\n"
 	"function fpass\n"
 	"input q 19 f32 sample joint_position\n"
 	"input qd 18 f32 sample joint_velocity\n"
@@ -3587,7 +3590,7 @@ static RNEA_INLINE void hyq_rnea_limb3(const float *q, const float *qd, const fl
 #define RNEA_LIMBS 4
 #define RNEA_LIMBS_GROUPS 2
 #define RNEA_LIMBS_BYTES 3712
-#define RNEA_LIMBS_MOST 1024
+#define RNEA_LIMBS_MOST 8192
 extern "C" __global__ void __launch_bounds__(32*RNEA_LIMBS*RNEA_LIMBS_GROUPS, 1)
 hyq_rnea_limbs(const float *__restrict__ q, const float *__restrict__ qd, const float *__restrict__ qdd,
 	float *__restrict__ tau, size_t count)

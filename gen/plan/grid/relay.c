@@ -299,6 +299,6 @@ int relay_limbs(struct relay *r, const struct request *k, const struct rneagen_o
 	if (!limbs_choose(&start, 1, o, a))
 		return 0;
 	if (r->start_count)
-		limbs_beside_parts(&start->limbs, k, o);
+		limbs_beside_parts(&start->limbs, r->start_count, k, o);
 	return 1;
 }

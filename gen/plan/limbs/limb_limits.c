@@ -47,6 +47,22 @@ enum { MOST_FIRST_F64 = 2048 };
    2.21. */
 enum { MOST_SHARING = 32, SHARED_PERCENT = 4, GAIN_PERCENT = 65 };
 
+/* How long limbs take beside the other kernel, for batches of 32, 256, 512 ... 16384: exp((at + the rest) / 1000), where the rest
+   is a sum, each by its factor, over the operations of the whole: operations of the longest warp, and of all warps; ten times the
+   values across, the values of the whole beyond `room`, and the rows that are stored. tests/gpu/fit_limbs fits these to 115 texts
+   of 15 robots, fixed and floating, of torques, accelerations, vjp and gradients (H200). By a fit of the other robots what is
+   launched takes 1.01 to 1.03 of the time of the better kernel, in the mean of all batches; by the rule for what is not fitted
+   1.07 to 1.15. In aos elements of a row stand a sample apart, so rows that are stored count. */
+enum { FITTED_BATCHES = 8, LEAST_SAMPLES = 8, WHOLE_START = 1300, LIMBS_START = 600, WORTH = -30 };
+static const struct fitted {
+	int room, at[FITTED_BATCHES], longest, sum, slots, over, stores;
+} FITTED[2][2] = {
+	{{150, {-1869, -1733, -1666, -1526, -1446, -1386, -1344, -1096}, 2074, 680, -95, 528, 0},
+		{150, {-1505, -1373, -1324, -1248, -1185, -1096, -847, -471}, 372, 1041, -325, 28, 2750}},
+	{{90, {-1053, -922, -850, -689, -616, -539, -516, -139}, 1642, -220, 328, -776, 0},
+		{90, {-1243, -1084, -1039, -954, -900, -810, -600, -209}, 489, 572, 596, -1610, 2361}},
+};
+
 /* A block of two groups fetches code for both: atlas, 1024 samples, 4.97 and 3.94; but hyq 1.38 and 1.52. */
 enum { GROUPS = 2, REGISTERS = 65536, SPARE_REGISTERS = 24, MOST_THREADS = 1024 };
 
@@ -172,26 +188,57 @@ static int shares_much(const struct limbs *s)
 			100 * (s->longest + START + LATER) > GAIN_PERCENT * (s->whole + START));
 }
 
-static unsigned most_samples(const struct limbs *s, unsigned whole, int words, int count, unsigned bytes)
+/* Beside parts, and where the other kernel has segments, nothing is fitted. */
+static unsigned most_unfitted(const struct limbs *s, int count, unsigned bytes)
 {
 	if (count == 1 && shares_much(s))
 		return MOST_SHARING;
-	if (count > 1 || words)
+	if (count > 1 || s->words)
 		return count == 1 && bytes == 8 && s->first.count ? MOST_FIRST_F64 : MOST_JOINED;
-	return whole < SHORT_OPERATIONS ? MOST_SHORT : MOST_LONG;
+	return s->whole < SHORT_OPERATIONS ? MOST_SHORT : MOST_LONG;
+}
+
+/* The logarithm of the share of the other kernel's time that limbs take, but for what goes by the batch, in thousandths. */
+static long long fitted_share(const struct function *p, int values, const struct fitted *x)
+{
+	const struct limbs *s = &p->limbs;
+	long long whole = (long long)s->whole + WHOLE_START, over = values > x->room ? values - x->room : 0;
+
+	return (x->longest * ((long long)s->longest + LIMBS_START) + x->sum * (long long)s->sum +
+		       10 * (x->slots * (long long)s->slots + x->over * over + x->stores * (long long)p->dag.output_count)) / whole;
+}
+
+static unsigned most_fitted(const struct function *p, const struct rneagen_options *o, struct arena *a)
+{
+	const struct fitted *x = &FITTED[number_bytes(o) == 8][o->layout == RNEAGEN_AOS];
+	long long share = fitted_share(p, plan_alive(&p->plan, a), x);
+	unsigned most = LEAST_SAMPLES;
+
+	for (int i = 0; i < FITTED_BATCHES && x->at[i] + share <= WORTH; i++)
+		most = MOST_SHARING << (i ? i + 2 : 0);
+	return most;
+}
+
+static unsigned most_samples(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a)
+{
+	const struct function *p = functions[0];
+	int is_fitted = count == 1 && !p->segments.count && (p->limbs.words || o->layout == RNEAGEN_AOS);
+
+	return is_fitted ? most_fitted(p, o, a) : most_unfitted(&p->limbs, count, number_bytes(o));
 }
 
 /* What all of them have in common. */
-static void set_launch(struct function *const *functions, int count, const struct rneagen_options *o)
+static void set_launch(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a)
 {
 	int words = words_across(functions, count), groups = most_groups(functions, count, words, number_bytes(o));
-	unsigned most = most_samples(&functions[0]->limbs, longest_pass(functions, count), words, count, number_bytes(o));
 
 	for (int i = 0; i < count; i++) {
 		functions[i]->limbs.words = words;
 		functions[i]->limbs.groups = groups;
-		functions[i]->limbs.most = most;
 	}
+	unsigned most = most_samples(functions, count, o, a);
+	for (int i = 0; i < count; i++)
+		functions[i]->limbs.most = most;
 }
 
 static int can_have(struct function *const *functions, int count, const struct rneagen_options *o)
@@ -261,14 +308,15 @@ int limbs_choose(struct function *const *functions, int count, const struct rnea
 	else
 		make_all(functions, count, o->limbs, o, a);
 	if (functions[0]->limbs.warps)
-		set_launch(functions, count, o);
+		set_launch(functions, count, o, a);
 	return !a->failed;
 }
 
-void limbs_beside_parts(struct limbs *s, const struct request *k, const struct rneagen_options *o)
+void limbs_beside_parts(struct limbs *s, int parts, const struct request *k, const struct rneagen_options *o)
 {
 	unsigned most = number_bytes(o) == 8 && s->first.count && k->is_forward ? MOST_BESIDE_QDD_F64 : MOST_BESIDE_PARTS;
 
-	if ((k->is_forward || request_wants_derivative(k)) && s->most > most)
+	s->most = most_unfitted(s, 1, number_bytes(o));
+	if (parts > 1 && (k->is_forward || request_wants_derivative(k)) && s->most > most)
 		s->most = most;
 }

@@ -8,7 +8,8 @@
    where that pays; what the kernel needs to know of all is in the limbs of each. Returns 0 when memory runs out. */
 int limbs_choose(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a);
 
-/* Of the whole, beside parts that share nothing: for fewer samples where these are as fast. */
-void limbs_beside_parts(struct limbs *s, const struct request *k, const struct rneagen_options *o);
+/* Of the whole, beside so many parts that share nothing (one: all limbs, with motion made again): for fewer samples where these
+   are as fast. */
+void limbs_beside_parts(struct limbs *s, int parts, const struct request *k, const struct rneagen_options *o);
 
 #endif
