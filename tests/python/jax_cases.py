@@ -278,6 +278,12 @@ def case_positions():
     assert near(there, jnp.asarray(robot.integrate(np.asarray(q), np.asarray(v)))) and near(robot.difference(q, there), v)
     still = jax.jacfwd(lambda v: robot.difference(q, robot.integrate(q, v)))(0 * v)
     assert near(still, jnp.eye(robot.nv)), still
+    start = robot.neutral()  # of NumPy, beside a tracer
+    assert near(jax.grad(lambda v: robot.integrate(start, v)[0])(0 * v), jnp.eye(robot.nv)[0])
+    round_ = start.copy()
+    round_[3:7] = 1, 0, 0, 0
+    slope = jax.jacfwd(lambda q: robot.difference(q, round_))(jnp.asarray(start))
+    assert jnp.isfinite(slope).all(), slope
 
 
 def case_transforms():

@@ -167,21 +167,26 @@ def refuse(robot, is_sparse: bool) -> None:
 
 def adapter(robot, arrays: Sequence[Any], out: Any):
     """The module whose functions call and bind take arrays of this kind: this one, _foreign, torch or jax."""
-    kinds: dict[str, str] = {}
-    for name, array in [*((a.name, x) for a, x in zip(robot.inputs, arrays)),
-                        *(("out", x) for x in (out if isinstance(out, tuple) else [out]))]:
-        if array is not None:
-            kinds[name] = kind_of(name, array)
+    given = {a.name: x for a, x in zip(robot.inputs, arrays)}
+    outs = {"out": x for x in (out if isinstance(out, tuple) else [out]) if x is not None}
+    module = kind_of_all({**given, **outs})[1].partition(" ")[0]
+    return module_of(module)
+
+
+def kind_of_all(given: dict[str, Any]) -> tuple[str, str]:
+    """The kind of all arrays that are not None, by kind_of, and the name of one of that kind. Arrays of NumPy may stand among
+    those of JAX, as JAX's own functions have it."""
+    kinds = {name: kind_of(name, x) for name, x in given.items() if x is not None}
     found = set(kinds.values())
-    if found == {JAX, NUMPY}:  # as JAX's own functions have it
+    if found == {JAX, NUMPY}:
         found = {JAX}
     if len(found) > 1:
         first, *rest = kinds.items()
         name, kind = next((n, k) for n, k in rest if k != first[1])
         raise TypeError(f"{name}: an array of {kind.partition(' ')[2]}, and {first[0]} is one of {first[1].partition(' ')[2]}: "
                         "all arrays are of one kind")
-    module = next(iter(found), "_arrays").partition(" ")[0]
-    return module_of(module)
+    kind = next(iter(found), "_arrays")
+    return next((name for name, k in kinds.items() if k == kind), ""), kind
 
 
 @functools.lru_cache(maxsize=None)

@@ -16,13 +16,17 @@ STUDY = ("backend", "precision", "trig", "layout", "samples", "seed", "qd_range"
 
 
 def program(name: str) -> str:
-    """The path of a command that the package has."""
-    return str(Path(__file__).parent / "bin" / name)
+    """The path of a command that the package has: beside the extension, which stands elsewhere than this file where the package
+    is installed for editing."""
+    return str(Path(_core.__file__).parent / "bin" / name)
 
 
 def main(name: str = "rneagen") -> None:
     """Become the command."""
-    os.execv(program(name), [name, *sys.argv[1:]])
+    path = program(name)
+    if not os.path.exists(path):
+        sys.exit(f"{name}: {path} is missing: install the package again")
+    os.execv(path, [name, *sys.argv[1:]])
 
 
 def main_rnearun() -> None:

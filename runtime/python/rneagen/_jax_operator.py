@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-import threading
 from typing import Any, Sequence
 
 import jax
@@ -18,7 +17,7 @@ from ._errors import BackendError
 
 TARGET = "rneagen"
 SCALARS = {numpy.dtype("float32"): "f32", numpy.dtype("float64"): "f64"}
-lock = threading.RLock()
+lock = _robot.Lock()
 _operators: dict[str, "Operator"] = {}
 
 

@@ -17,9 +17,10 @@ from . import _arrays, _names
 NEAR = 1e-3  # t^2 below which the series are exact to 1e-15
 
 
-def namespace(name: str, x: Any):
-    """The module that has the functions for arrays of this kind, and its cross product along the last axis."""
-    module, _, kind = _arrays.kind_of(name, x).partition(" ")
+def namespace(**given: Any):
+    """The module that has the functions for arrays of these kinds, and its cross product along the last axis."""
+    name, kind = _arrays.kind_of_all(given)
+    kind = kind.partition(" ")[2]
     if kind not in ("NumPy", "PyTorch", "JAX", "cupy"):
         raise TypeError(f"{name}: an array of NumPy, PyTorch, JAX or CuPy is wanted")
     if kind == "PyTorch":  # a statement that torch.compile sees through
@@ -78,8 +79,9 @@ def between(xp, cross, q0, q1):
     nn = total(w * w)
     is_near = nn < NEAR
     far = xp.where(is_near, xp.ones_like(nn), nn)
-    n, x = xp.sqrt(far), nn / (s * s)
-    b = w * xp.where(is_near, 2 / s * (1 - x / 3 + x * x / 5 - x * x * x / 7 + x * x * x * x / 9), 2 * xp.arctan2(n, s) / n)
+    near = xp.where(is_near, s, xp.ones_like(s))  # not 0, which would make gradients of what is not taken NaN
+    n, x = xp.sqrt(far), xp.where(is_near, nn, xp.zeros_like(nn)) / (near * near)
+    b = w * xp.where(is_near, 2 / near * (1 - x / 3 + x * x / 5 - x * x * x / 7 + x * x * x * x / 9), 2 * xp.arctan2(n, s) / n)
     tt = total(b * b)
     is_near = tt < NEAR
     far = xp.where(is_near, xp.ones_like(tt), tt)
@@ -112,13 +114,13 @@ def check(robot, **given: tuple[Any, int]) -> None:
 
 def integrate(robot, q, v):
     check(robot, q=(q, robot.nq), v=(v, robot.nv))
-    xp, cross = namespace("q", q)
+    xp, cross = namespace(q=q, v=v)
     return joined(robot, xp, lambda i, k: q[..., i] + v[..., k], lambda i, k: moved(xp, cross, q[..., i], v[..., k]))
 
 
 def difference(robot, q0, q1):
     check(robot, q0=(q0, robot.nq), q1=(q1, robot.nq))
-    xp, cross = namespace("q0", q0)
+    xp, cross = namespace(q0=q0, q1=q1)
     return joined(robot, xp, lambda i, k: q1[..., i] - q0[..., i], lambda i, k: between(xp, cross, q0[..., i], q1[..., i]))
 
 

@@ -31,6 +31,32 @@ ALIVE: weakref.WeakValueDictionary[str, "Robot"] = weakref.WeakValueDictionary()
 KEYWORDS = (*_options.scene_keywords(), *_options.MODEL, *_options.COUNTED, *_options.OPEN, *OWN)
 
 
+class Lock:
+    """Of one thread, which may take it again. A forked child finds it open: the thread that had it would never open it there."""
+
+    def __init__(self) -> None:
+        self._lock = threading.RLock()
+        LOCKS.add(self)
+
+    def __enter__(self) -> None:
+        self._lock.acquire()
+
+    def __exit__(self, *_: object) -> None:
+        self._lock.release()
+
+
+LOCKS: weakref.WeakSet[Lock] = weakref.WeakSet()
+
+
+def open_locks() -> None:
+    for lock in LOCKS:
+        lock._lock = threading.RLock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=open_locks)
+
+
 class Limits(NamedTuple):
     """Of the URDF, by row; infinite where it has none. A quaternion has none."""
     lower: numpy.ndarray  # (nq,), rad or m
@@ -127,7 +153,7 @@ class Robot(_core.Robot):
         self._outputs = tuple_of("Outputs", tuple(_arrays.identifiers(self.outputs))) if len(self.outputs) > 1 else None
         self._kernels: dict[tuple, Any] = {}
         self._wanted: dict[tuple, Robot] = {}
-        self._lock = threading.RLock()
+        self._lock = Lock()
         self._define(tuple((a.name, a.rows, a.shape, a.per_batch) for a in arrays), len(self.inputs),
                      _arrays.places(len(self.inputs)), self._outputs, NUMPY, not (self._conversion or self._is_sparse))
         self._key = str(next(KEYS))

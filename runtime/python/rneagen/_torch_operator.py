@@ -1,19 +1,18 @@
 """Operators of torch.library that run a robot's text on tensors."""
 from __future__ import annotations
 
-import threading
 from typing import Any, NamedTuple, Sequence
 
 import torch
 from torch import Tensor
 from torch.autograd import forward_ad
 
-from . import _arrays, _torch_gradient
+from . import _arrays, _robot, _torch_gradient
 
 SCALARS = {torch.float32: "f32", torch.float64: "f64"}
 DEVICES = ("cpu", "cuda", "meta")
 PLANS = 256  # that are kept
-lock = threading.RLock()
+lock = _robot.Lock()
 _stream_of = getattr(torch._C, "_cuda_getCurrentRawStream", None) or (lambda i: torch.cuda.current_stream(i).cuda_stream)
 _increment_version = getattr(torch._C, "_increment_version", torch.autograd.graph.increment_version)
 _transforms_active = getattr(torch._C, "_are_functorch_transforms_active", lambda: False)

@@ -21,17 +21,16 @@ import re
 import secrets
 import shutil
 import tempfile
-import threading
 from pathlib import Path
 from typing import Any
 
-from . import _core
+from . import _core, _robot
 from ._casadi_c import identifier, is_taken
 from ._casadi_model import Model
 from ._casadi_text import File
 from ._errors import translated
 
-_lock = threading.Lock()
+_lock = _robot.Lock()
 _folders: dict[int, str] = {}  # of shared objects, which CasADi may load again as long as this program runs; by process
 
 
