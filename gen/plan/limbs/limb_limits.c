@@ -53,9 +53,10 @@ enum { MOST_SHARING = 32, SHARED_PERCENT = 4, GAIN_PERCENT = 65 };
    of 15 robots, fixed and floating, of torques, accelerations, vjp and gradients (H200). By a fit of the other robots what is
    launched takes 1.01 to 1.03 of the time of the better kernel, in the mean of all batches; by the rule for what is not fitted
    1.07 to 1.15. In aos elements of a row stand a sample apart, so rows that are stored count. */
-enum { FITTED_BATCHES = 8, LEAST_SAMPLES = 8, WHOLE_START = 1300, LIMBS_START = 600, WORTH = -30 };
+static const unsigned FITTED_BATCHES[] = {32, 256, 512, 1024, 2048, 4096, 8192, 16384};
+enum { BATCHES = sizeof FITTED_BATCHES / sizeof *FITTED_BATCHES, LEAST_SAMPLES = 8, WHOLE_START = 1300, LIMBS_START = 600, WORTH = -30 };
 static const struct fitted {
-	int room, at[FITTED_BATCHES], longest, sum, slots, over, stores;
+	int room, at[BATCHES], longest, sum, slots, over, stores;
 } FITTED[2][2] = {
 	{{150, {-1869, -1733, -1666, -1526, -1446, -1386, -1344, -1096}, 2074, 680, -95, 528, 0},
 		{150, {-1505, -1373, -1324, -1248, -1185, -1096, -847, -471}, 372, 1041, -325, 28, 2750}},
@@ -214,8 +215,8 @@ static unsigned most_fitted(const struct function *p, const struct rneagen_optio
 	long long share = fitted_share(p, plan_alive(&p->plan, a), x);
 	unsigned most = LEAST_SAMPLES;
 
-	for (int i = 0; i < FITTED_BATCHES && x->at[i] + share <= WORTH; i++)
-		most = MOST_SHARING << (i ? i + 2 : 0);
+	for (int i = 0; i < BATCHES && x->at[i] + share <= WORTH; i++)
+		most = FITTED_BATCHES[i];
 	return most;
 }
 
@@ -231,12 +232,13 @@ static unsigned most_samples(struct function *const *functions, int count, const
 static void set_launch(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a)
 {
 	int words = words_across(functions, count), groups = most_groups(functions, count, words, number_bytes(o));
+	unsigned most;
 
 	for (int i = 0; i < count; i++) {
 		functions[i]->limbs.words = words;
 		functions[i]->limbs.groups = groups;
 	}
-	unsigned most = most_samples(functions, count, o, a);
+	most = most_samples(functions, count, o, a);
 	for (int i = 0; i < count; i++)
 		functions[i]->limbs.most = most;
 }

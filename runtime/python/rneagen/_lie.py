@@ -80,7 +80,7 @@ def between(xp, cross, q0, q1):
     is_near = nn < NEAR
     far = xp.where(is_near, xp.ones_like(nn), nn)
     near = xp.where(is_near, s, xp.ones_like(s))  # not 0, which would make gradients of what is not taken NaN
-    n, x = xp.sqrt(far), xp.where(is_near, nn, xp.zeros_like(nn)) / (near * near)
+    n, x = xp.sqrt(far), nn / (near * near)
     b = w * xp.where(is_near, 2 / near * (1 - x / 3 + x * x / 5 - x * x * x / 7 + x * x * x * x / 9), 2 * xp.arctan2(n, s) / n)
     tt = total(b * b)
     is_near = tt < NEAR
