@@ -80,6 +80,11 @@ enum { GROUPS = 2, REGISTERS = 65536, SPARE_REGISTERS = 24, MOST_THREADS = 1024 
    15.2. */
 enum { MOST_BESIDE_PARTS = 256, MOST_BESIDE_QDD_F64 = 32 };
 
+/* Beside a whole whose motion is made again, in f64, even where limbs share much. H200, tau and vjp, 32, 2048, 4096 and 16384
+   samples, limbs over the other kernel: floating hyq 0.48 0.81 0.89 1.55, in aos 0.67 0.85 1.02 2.33; yumi in aos 0.71 0.76
+   0.89 2.37; floating g1_29dof 0.43 0.77 0.85 1.92; simple_humanoid 0.63 1.07 1.17 4.25 (results/limbs_h200.csv). */
+enum { MOST_BESIDE_AGAIN = 2048 };
+
 /* Outputs that go through windows have no limbs, whose warps would write elements that stand a sample apart (64 to 4096 samples,
    both gradients of hyq, whole matrices: 21 us, through windows 8.6). */
 
@@ -318,7 +323,7 @@ void limbs_beside_parts(struct limbs *s, int parts, const struct request *k, con
 {
 	unsigned most = number_bytes(o) == 8 && s->first.count && k->is_forward ? MOST_BESIDE_QDD_F64 : MOST_BESIDE_PARTS;
 
-	s->most = most_unfitted(s, 1, number_bytes(o));
+	s->most = parts == 1 && number_bytes(o) == 8 ? MOST_BESIDE_AGAIN : most_unfitted(s, 1, number_bytes(o));
 	if (parts > 1 && (k->is_forward || request_wants_derivative(k)) && s->most > most)
 		s->most = most;
 }
