@@ -45,12 +45,8 @@ def generate(urdf: str | os.PathLike | bytes, target: str = "cuda", **options: A
     those of load that concern the model, and layout, name, bounded, only, parts, segments, limbs."""
     known = (*_options.scene_keywords(), *_options.MODEL, *_options.TEXT)
     _options.check(options, known, "generate")
-    file = "<urdf>"
-    if isinstance(urdf, (str, os.PathLike)) and "<robot" not in os.fspath(urdf):
-        file = os.fspath(urdf)
-        urdf = Path(urdf).read_bytes()
-    urdf = urdf if isinstance(urdf, bytes) else str(urdf).encode()
-    made = translated(_core.generate, urdf, _options.generator({"target": target, **_options.taken(options)}, file))
+    content, file = _options.read(urdf)
+    made = translated(_core.generate, content, _options.generator({"target": target, **_options.taken(options)}, file))
     text = Text(made["source"])
     text.name, text.header, text.warnings = made["name"], made["header"], made["warnings"]
     return text

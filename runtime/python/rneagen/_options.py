@@ -32,6 +32,18 @@ class SceneFile(NamedTuple):
         return repr(self.path)
 
 
+def read(urdf: str | os.PathLike | bytes) -> tuple[bytes, str]:
+    """The text of a URDF and its file, from either. Every text has a "<", in UTF-16 too."""
+    if isinstance(urdf, str) and "<robot" in urdf:
+        return urdf.encode(), "<urdf>"
+    if isinstance(urdf, bytes) and (b"<" in urdf or not urdf):
+        return urdf, "<urdf>"
+    if not isinstance(urdf, (str, bytes, os.PathLike)):
+        raise TypeError(f"the URDF is a path, or its text, not {urdf!r}")
+    with open(urdf, "rb") as file:
+        return file.read(), os.fsdecode(urdf)
+
+
 def scene_keywords() -> list[str]:
     return [word.replace("-", "_") for word in SCENE] + ["scene"]
 
@@ -158,7 +170,7 @@ def lines(options: dict[str, Any]) -> str:
 
 def generator(options: dict[str, Any], file: str) -> dict[str, Any]:
     """What _core takes: of keywords, those of the model and of the text."""
-    result: dict[str, Any] = {"file": file}
+    result: dict[str, Any] = {"file": file.encode(errors="replace").decode()}  # a name of any bytes, in messages
     for keyword in (*MODEL, *TEXT):
         x = options.get(keyword)
         if x is None:

@@ -212,24 +212,33 @@ class Robot(_core.Robot):
             q, v = slice(joint["iq"], joint["iq"] + joint["nq"]), slice(joint["iv"], joint["iv"] + joint["nv"])
             rows.lower[q], rows.upper[q] = joint["lower"], joint["upper"]
             rows.velocity[v], rows.effort[v] = joint["velocity"], joint["effort"]
+        for x in rows:
+            x.flags.writeable = False
         return rows
 
     @property
     def limits(self) -> Limits:
-        """Position, velocity and effort, as the URDF states them. No text models them."""
+        """Position, velocity and effort, as the URDF states them, read-only. No text models them."""
         return self._bounds
 
     @functools.cached_property
+    def _info(self) -> str:
+        return translated(_core.generate, self._urdf, {**self._generator, "tell": 2})["info_json"]
+
+    @property
     def info(self) -> dict[str, Any]:
-        """What `rneagen ROBOT.urdf --info=json` tells."""
-        return json.loads(translated(_core.generate, self._urdf, {**self._generator, "tell": 2})["info_json"])
+        """What `rneagen ROBOT.urdf --info=json` tells; the caller's own."""
+        return json.loads(self._info)
 
     @functools.cached_property
     def inertial_parameters(self) -> numpy.ndarray:
         """pi of tau = Y pi, as the URDF has it, with Y = robot.want("regressor")(q, qd, qdd): (10 bodies,), of each
         body and what is fixed to it m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about its link's origin.
-        info["inertial_parameters"] of that robot names the links."""
-        return numpy.array([body["values"] for body in self.want("regressor").info["inertial_parameters"]["bodies"]]).ravel()
+        info["inertial_parameters"] of that robot names the links. Read-only."""
+        bodies = self.want("regressor").info["inertial_parameters"]["bodies"]
+        values = numpy.array([body["values"] for body in bodies]).ravel()
+        values.flags.writeable = False
+        return values
 
     def describe(self) -> str:
         """What `rneagen ROBOT.urdf --info` tells: joints, what the scene leaves, operations, what the URDF has that
@@ -474,7 +483,7 @@ class Robot(_core.Robot):
 
 
 def load(urdf: str | os.PathLike | bytes, **keywords: Unpack[Keywords]) -> Robot:
-    """Load a robot from the URDF at a path, or from its text (bytes, or a string with "<robot" in it).
+    """Load a robot from the URDF at a path, or from its text: a string with "<robot" in it, or bytes with "<".
 
         robot = rneagen.load("iiwa14.urdf")
         tau = robot(q, qd, qdd)
@@ -509,7 +518,4 @@ def load(urdf: str | os.PathLike | bytes, **keywords: Unpack[Keywords]) -> Robot
     """
     _options.check(keywords, KEYWORDS, "load")
     options = _options.taken(dict(keywords))
-    if isinstance(urdf, bytes) or isinstance(urdf, str) and "<robot" in urdf:
-        return Robot(urdf.encode() if isinstance(urdf, str) else urdf, "<urdf>", options)
-    with open(urdf, "rb") as file:
-        return Robot(file.read(), os.fspath(urdf), options)
+    return Robot(*_options.read(urdf), options)
