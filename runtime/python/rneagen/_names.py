@@ -1,7 +1,9 @@
 """Calls by Pinocchio's names: with all arrays that its function takes, though an output may not read each of them."""
 from __future__ import annotations
 
-from typing import Any, Iterable, NamedTuple
+import inspect
+import keyword
+from typing import Any, Callable, Iterable, NamedTuple, TypeVar
 
 import numpy
 
@@ -33,6 +35,44 @@ def _given(robot, names: tuple[str, ...], args: tuple, kwargs: dict[str, Any]) -
             raise TypeError(f"{name} is given twice")
         given[name] = value
     return given
+
+
+# ---- what inspect shows ----
+
+PLACE, NAMED = inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY
+OUT = inspect.Parameter("out", NAMED, default=None)
+Function = TypeVar("Function", bound=Callable)
+
+
+def takes(*names: str, several: bool = False) -> Callable[[Function], Function]:
+    """The signature of a method: arrays by their places, or `several`, then out= and inputs by their names."""
+    arrays = [inspect.Parameter(name, PLACE) for name in ("self", *names)]
+    more = [inspect.Parameter("arrays", inspect.Parameter.VAR_POSITIONAL)] if several else []
+    named = inspect.Parameter("inputs", inspect.Parameter.VAR_KEYWORD)
+
+    def signed(function: Function) -> Function:
+        setattr(function, "__signature__", inspect.Signature([*arrays, *more, OUT, named]))
+        return function
+    return signed
+
+
+def shown(arrays: Iterable[_arrays.Array]) -> str:
+    """Shapes as a call takes them: "(..., 7)"."""
+    return ", ".join(str((*([] if a.per_batch else [...]), *a.shape)).replace("Ellipsis", "...") for a in arrays)
+
+
+def signature_of(robot) -> inspect.Signature:
+    """Of a robot: inputs with their shapes, then out. One that may be left out has a default where all after it have one."""
+    parameters, may = [], True
+    for a in reversed(robot.inputs):
+        may = may and a.default is not None
+        name = a.name + "_" * keyword.iskeyword(a.name)
+        parameters.insert(0, inspect.Parameter(name, PLACE, annotation=shown([a]), **{"default": None} if may else {}))
+    kind = PLACE if _arrays.places(len(parameters)) > len(parameters) else NAMED
+    return inspect.Signature([*parameters, OUT.replace(kind=kind)], return_annotation=shown(robot.outputs))
+
+
+# ---- arrays that are looked at ----
 
 
 class Taken(NamedTuple):

@@ -4,6 +4,7 @@ from __future__ import annotations
 import functools
 import hashlib
 import importlib
+import inspect
 import itertools
 import json
 import keyword
@@ -115,6 +116,15 @@ def operator_of(robot: "Robot", library: str, operators: dict[str, Any], lock: A
     return found
 
 
+class Signature:
+    """What inspect, help and editors show of a call: each robot's own; the class has that of __init__."""
+
+    def __get__(self, robot: "Robot | None", owner: type) -> inspect.Signature:
+        if robot is None:
+            raise AttributeError("__signature__")
+        return _names.signature_of(robot)
+
+
 class Robot(_core.Robot):
     """Inverse dynamics tau = ID(q, qd, qdd) of one robot in its scene, or what else the scene wants. Made by rneagen.load.
 
@@ -134,6 +144,7 @@ class Robot(_core.Robot):
     The first call of a dtype compiles, or takes from the cache what was compiled before. Any number of threads may
     call one robot.
     """
+    __signature__ = Signature()
 
     def __init__(self, urdf: bytes, file: str, options: dict[str, Any]):
         self._urdf, self._file, self._options = urdf, file, dict(options)
@@ -288,6 +299,7 @@ class Robot(_core.Robot):
         arrays, out = _arrays.arguments(self, args, kwargs)
         return _arrays.adapter(self, arrays, out).call(self, arrays, out)
 
+    @_names.takes(several=True)
     def bind(self, *args: Any, **kwargs: Any) -> Any:
         """step = robot.bind(q, qd, qdd, out) checks the arrays once; step() then computes from what is in them, and
         returns out. The arrays stay alive with the step. Without out, an array is made. A GPU's arrays are bound to
@@ -446,37 +458,45 @@ class Robot(_core.Robot):
     # ---- by Pinocchio's names ----
     # Each takes what Pinocchio's function takes, also where an output does not read all of it.
 
+    @_names.takes("q", "qd", "qdd")
     def rnea(self, *args: Any, **kwargs: Any) -> Any:
         """tau = rnea(q, qd, qdd): (..., nv), N m."""
         return _names.call(self._unfolded("tau").want("tau"), ("q", "qd", "qdd"), args, kwargs)
 
+    @_names.takes("q", "qd", "tau")
     def aba(self, *args: Any, **kwargs: Any) -> Any:
         """qdd = aba(q, qd, tau): (..., nv), rad/s^2."""
         return _names.call(self._unfolded("qdd").want("qdd"), ("q", "qd", "tau"), args, kwargs)
 
+    @_names.takes("q")
     def crba(self, *args: Any, **kwargs: Any) -> Any:
         """M = crba(q): the mass matrix (..., nv, nv), kg m^2, whole."""
         return _names.call(self._unfolded("tau").want("M"), ("q",), args, kwargs)
 
+    @_names.takes("q")
     def computeMinverse(self, *args: Any, **kwargs: Any) -> Any:
         """Minv = computeMinverse(q): the inverse of the mass matrix (..., nv, nv), whole."""
         robot = self._unfolded("qdd")._wanting(("Minv",), self.sparse, ("qd=0", "tau=0"))
         return _names.call(robot, ("q",), args, kwargs)
 
+    @_names.takes("q", "qd")
     def nonLinearEffects(self, *args: Any, **kwargs: Any) -> Any:
         """tau = nonLinearEffects(q, qd): of gravity and velocities, (..., nv)."""
         if self._conversion:  # M of the base's Coriolis term is in it: MuJoCo's qdd = 0 is another than ours
             return self.want("tau")(*args, **kwargs, qdd=numpy.zeros_like(args[1] if len(args) > 1 else kwargs["qd"]))
         return _names.call(self._unfolded("tau").want("bias"), ("q", "qd"), args, kwargs)
 
+    @_names.takes("q")
     def computeGeneralizedGravity(self, *args: Any, **kwargs: Any) -> Any:
         """tau = computeGeneralizedGravity(q): of gravity alone, (..., nv)."""
         return _names.call(self._unfolded("tau").want("gravity"), ("q",), args, kwargs)
 
+    @_names.takes("q", "qd", "qdd")
     def computeRNEADerivatives(self, *args: Any, **kwargs: Any) -> Any:
         """(dtau_dq, dtau_dqd, M) of (q, qd, qdd): (..., nv, nv) each. A floating base varies by a twist in its frame."""
         return _names.call(self._unfolded("tau").want("dtau_dq", "dtau_dqd", "M"), ("q", "qd", "qdd"), args, kwargs)
 
+    @_names.takes("q", "qd", "tau")
     def computeABADerivatives(self, *args: Any, **kwargs: Any) -> Any:
         """(dqdd_dq, dqdd_dqd, Minv) of (q, qd, tau): (..., nv, nv) each."""
         return _names.call(self._unfolded("qdd").want("dqdd_dq", "dqdd_dqd", "Minv"), ("q", "qd", "tau"), args, kwargs)

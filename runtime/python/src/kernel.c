@@ -219,7 +219,19 @@ static void step_free(PyObject *self)
 	Py_DECREF(type);
 }
 
-static PyType_Slot step_slots[] = {{Py_tp_dealloc, step_free}, {Py_tp_call, step_call},
+/* What inspect.signature shows. */
+static PyObject *step_signature(PyObject *self, void *unused)
+{
+	PyObject *inspect = PyImport_ImportModule("inspect"), *made = inspect ? PyObject_CallMethod(inspect, "Signature", NULL) : NULL;
+
+	(void)self, (void)unused;
+	Py_XDECREF(inspect);
+	return made;
+}
+
+static PyGetSetDef step_members[] = {{"__signature__", step_signature, NULL, NULL, NULL}, {NULL, NULL, NULL, NULL, NULL}};
+
+static PyType_Slot step_slots[] = {{Py_tp_dealloc, step_free}, {Py_tp_call, step_call}, {Py_tp_getset, step_members},
 	{Py_tp_doc, "A call on arrays that were checked once; step() makes it again and returns the outputs."}, {0, NULL}};
 
 PyType_Spec step_spec = {"rneagen._core.Step", sizeof(struct step), 0, Py_TPFLAGS_DEFAULT | Py_TPFLAGS_DISALLOW_INSTANTIATION,
