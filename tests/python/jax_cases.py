@@ -302,8 +302,11 @@ def case_transforms():
     straight = jax.linearize(lambda q: robot(q, qd, tau), q)[1]
     back, = jax.linear_transpose(straight, q)(qd)
     assert near(back, jax.vjp(lambda q: robot(q, qd, tau), q)[1](qd)[0])
-    refused(NotImplementedError, ["second derivatives", "double_pendulum", "jax.hessian"],
+    refused(NotImplementedError, ["second", "double_pendulum", "grad", "hessian", "differences"],
             jax.grad(lambda q: jax.jvp(lambda q: robot(q, qd, tau), (q,), (qd,))[1].sum()), q)
+    for third in (jax.jacfwd(jax.hessian(lambda q: robot(q, qd, tau).sum())), jax.grad(lambda q: jax.grad(lambda q: jax.grad(
+            lambda q: robot(q, qd, tau).sum())(q).sum())(q).sum())):
+        refused(NotImplementedError, ["no third derivatives", "double_pendulum", "hessian", "differences"], third, q)
     bound = robot.want("qdd", "qdd_bound")
     refused(NotImplementedError, ["qdd_bound", "no gradient"], jax.grad(lambda q: bound(q, qd, tau).qdd_bound.sum()), q)
     used = jax.grad(lambda q: bound(q, qd, tau).qdd.sum())(q)  # what is not differentiated does not matter

@@ -27,7 +27,9 @@ from ._errors import RobotError
 PARTS = {"joint_position": 0, "joint_velocity": 1, "joint_acceleration": 2, "joint_torque": 2}  # of vjp and jvp_v
 FREED = ("gravity", "link_mass", "link_inertia", "link_payload", "joint_offset", "joint_armature", "joint_damping",
          "joint_friction", "armature", "damping", "friction")
-REFUSED = {"jvp": "it is a derivative already; that of a vjp has one", "joint_acceleration_bound": "it is a bound"}  # by role
+HAD = ("There are no third derivatives, and second ones by q, qd, qdd and tau alone, where the first goes backward (grad, vjp, "
+       "jacrev), as in hessian; take differences of those for others")
+REFUSED = {"jvp": f"it is a derivative along a direction. {HAD}", "joint_acceleration_bound": "it is a bound"}  # by role
 
 
 class Library(NamedTuple):
@@ -86,6 +88,9 @@ class Gradients:
             self.made[key] = self.robot._with(**self.freed(words))
         return self.made[key]
 
+    def lacking(self, what: str) -> NotImplementedError:
+        return NotImplementedError(f"{self.robot.name}: {what}. {HAD}")
+
     @staticmethod
     def constant_of(array) -> str:
         """The word of the constant that this is, or is a direction of."""
@@ -137,7 +142,7 @@ class Gradients:
         lead = tuple(g.shape[:len(g.shape) - 1])
         for other in needed:
             if a.word != "vjp" or other.role not in PARTS and other.role != "cotangent":
-                raise NotImplementedError(f"{self.robot.name}: second derivatives are by the state alone, not by {other.word}")
+                raise self.lacking(f"no second derivatives by {other.word if a.word == 'vjp' else a.word[4:]}")
         found: dict[str, Any] = {}
         if any(x.role in PARTS for x in needed):
             made = self.run(self.second_robot(()), {**given, "jvp_v": g}, lead, g)
@@ -236,7 +241,7 @@ class Gradients:
     def second_tangent(self, array, values: dict[str, Any], given: Sequence[tuple], weights, lead: tuple[int, ...]):
         """Of vjp: H d + dw' J."""
         if array.word != "vjp":
-            raise NotImplementedError(f"{self.robot.name}: second derivatives are by the state alone, not of {array.word}")
+            raise self.lacking(f"no second derivatives by {array.word[4:]}")
         parts, apart = [], self.apart(given)
         if given:
             parts.append(self.along(self.second_robot([a for a, _ in given], apart), values, given, lead, apart))

@@ -248,8 +248,7 @@ def differentiate_tangent(args, tangents, *, operator, of, given):
     robot, count = operator.robot, len(operator.robot.inputs)
     if any(type(d) is not ad.Zero for d in tangents[:count]):
         names = ", ".join(robot.outputs[i].name for i in of)
-        raise NotImplementedError(f"{robot.name}: second derivatives of {names}: jax.grad goes inside, as in jax.hessian; "
-                                  "a derivative along a direction has none of its own")
+        raise operator.gradients.lacking(f"no derivatives of one of {names} along a direction")
     values = tangent_p.bind(*args, operator=operator, of=of, given=given)
     among: list[Any] = [ad.Zero.from_primal_value(x) for x in args[:count]]
     for i, d in zip(given, tangents[count:]):
