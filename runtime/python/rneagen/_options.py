@@ -194,6 +194,18 @@ def generator(options: dict[str, Any], file: str) -> dict[str, Any]:
     return result
 
 
+def explained(error: Exception, scene: str) -> Exception:
+    """The same, which tells of a name that is no link but a frame of the scene."""
+    found = re.search(r"(\w+): no link '(.*?)'", str(error))
+    option, name = found.groups() if found else ("", "")
+    frame = re.search(rf'^\s*(?:--)?add-frame[ \t"]+{re.escape(name)}=([^",\n]*),', scene, re.M)
+    if found and frame:
+        moved = "; force f and moment m in it are R f and R m + p x R f of the link, where it stands at [R p]"
+        error.args = (f"{error}; it is a frame of add_frame= on '{frame[1]}', and {option}= takes links"
+                      f"{moved if option == 'fext' else ''}",)
+    return error
+
+
 def command_line(options: dict[str, Any]) -> list[str]:
     """The same as words of a command line."""
     words = []

@@ -20,7 +20,7 @@ from typing import Any, Callable, Iterable, NamedTuple, Unpack
 import numpy
 
 from . import _arrays, _convention, _core, _lie, _names, _options, _sparse
-from ._errors import BackendError, translated
+from ._errors import BackendError, RobotError, translated
 from ._keywords import Keywords
 
 NUMPY = (numpy.ndarray, numpy.empty, _arrays.DTYPES["f32"], _arrays.DTYPES["f64"], _arrays.copy_of)
@@ -149,7 +149,10 @@ class Robot(_core.Robot):
     def __init__(self, urdf: bytes, file: str, options: dict[str, Any]):
         self._urdf, self._file, self._options = urdf, file, dict(options)
         self._generator = self._generator_options(dense=not self.sparse)
-        self._model = translated(_core.Model, urdf, self._generator)
+        try:
+            self._model = translated(_core.Model, urdf, self._generator)
+        except RobotError as error:
+            raise _options.explained(error, self._generator.get("scene", "")) from None
         self._facts, self._joints = self._model.facts(), self._model.joints()
         self._bounds = self._limits()
         arrays = [_arrays.describe(a, self._facts["nv"], self.sparse) for a in self._model.arrays()]
