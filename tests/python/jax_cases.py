@@ -284,6 +284,10 @@ def case_positions():
     round_[3:7] = 1, 0, 0, 0
     slope = jax.jacfwd(lambda q: robot.difference(q, round_))(jnp.asarray(start))
     assert jnp.isfinite(slope).all(), slope
+    for kind in ("int32", "float32"):
+        made = robot.integrate(jnp.asarray(start, kind), v)
+        assert made.dtype == jnp.float64 and near(made, robot.integrate(jnp.asarray(start), v)), kind
+    refused(TypeError, ["v", "bfloat16", "float32"], robot.integrate, q, v.astype("bfloat16"))
 
 
 def case_transforms():

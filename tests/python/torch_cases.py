@@ -380,6 +380,16 @@ def case_positions():
     assert torch.autograd.gradcheck(robot.integrate, x)
     assert torch.autograd.gradcheck(robot.difference, [q, there.detach().requires_grad_()])
     refused(ValueError, ["v", "(3, 8)"], robot.integrate, q, q)
+    q, v = q.detach(), v.detach()
+    start, right = torch.from_numpy(robot.neutral()).to(device), robot.integrate(torch.from_numpy(robot.neutral()).to(device), v[0])
+    for kind in (torch.int32, torch.float32):
+        made = robot.integrate(start.to(kind), v[0])
+        assert made.dtype == torch.float64 and near(made, right) and near(robot.difference(start.to(kind), made), v[0]), kind
+    refused(TypeError, ["q", "float16", "float32"], robot.integrate, q.half(), v)
+    with torch.autocast(torch.device(device).type, torch.bfloat16):
+        assert robot.integrate(q.bfloat16(), v.bfloat16()).dtype == torch.float32
+    moved = torch.compile(lambda q, v: robot.difference(q, robot.integrate(q, v)), fullgraph=True, backend=backend)
+    assert near(moved(q, v), v) and moved(q.float(), v).dtype == torch.float64
 
 
 def case_pieces():

@@ -18,16 +18,34 @@ NEAR = 1e-3  # t^2 below which the series are exact to 1e-15
 
 
 def namespace(**given: Any):
-    """The module that has the functions for arrays of these kinds, and its cross product along the last axis."""
+    """The module that has the functions for arrays of these kinds, its cross product along the last axis, and the arrays with one
+    type of numbers."""
     name, kind = _arrays.kind_of_all(given)
     kind = kind.partition(" ")[2]
     if kind not in ("NumPy", "PyTorch", "JAX", "cupy"):
         raise TypeError(f"{name}: an array of NumPy, PyTorch, JAX or CuPy is wanted")
     if kind == "PyTorch":  # a statement that torch.compile sees through
         import torch
-        return torch, torch.linalg.cross
+        return torch, torch.linalg.cross, *alike(given, torch.is_autocast_enabled, lambda x, word: x.to(getattr(torch, word)))
     made = importlib.import_module({"NumPy": "numpy", "JAX": "jax.numpy", "cupy": "cupy"}[kind])
-    return made, made.cross
+    if kind == "JAX":
+        given = {name: made.asarray(x) for name, x in given.items()}
+    # JAX has float32 for float, unless jax_enable_x64 is on
+    return made, made.cross, *alike(given, None, lambda x, word: x.astype(float if word == "float64" else word))
+
+
+def alike(given: dict[str, Any], is_autocast, to) -> list:
+    """Whole numbers become float64, as does float32 beside it; where autocast is on halves become float32. Others are a TypeError."""
+    words = {name: str(x.dtype).rpartition(".")[2] for name, x in given.items()}
+    for name, word in words.items():
+        if word.startswith(("int", "uint")):
+            words[name] = "float64"
+        elif word in ("float16", "bfloat16") and is_autocast and is_autocast(given[name].device.type):
+            words[name] = "float32"
+        elif word not in ("float32", "float64"):
+            raise TypeError(f"{name}: its dtype is {given[name].dtype}; float32, float64 or whole numbers are wanted")
+    common = max(words.values())
+    return [x if str(x.dtype).endswith(common) else to(x, common) for x in given.values()]
 
 
 def total(x):
@@ -114,13 +132,13 @@ def check(robot, **given: tuple[Any, int]) -> None:
 
 def integrate(robot, q, v):
     check(robot, q=(q, robot.nq), v=(v, robot.nv))
-    xp, cross = namespace(q=q, v=v)
+    xp, cross, q, v = namespace(q=q, v=v)
     return joined(robot, xp, lambda i, k: q[..., i] + v[..., k], lambda i, k: moved(xp, cross, q[..., i], v[..., k]))
 
 
 def difference(robot, q0, q1):
     check(robot, q0=(q0, robot.nq), q1=(q1, robot.nq))
-    xp, cross = namespace(q0=q0, q1=q1)
+    xp, cross, q0, q1 = namespace(q0=q0, q1=q1)
     return joined(robot, xp, lambda i, k: q1[..., i] - q0[..., i], lambda i, k: between(xp, cross, q0[..., i], q1[..., i]))
 
 
