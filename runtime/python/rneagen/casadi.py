@@ -2,6 +2,7 @@
 
     f = rneagen.casadi.function(robot)                     # a casadi.Function: f(q, qd, qdd), or f(q=q, qd=qd, qdd=qdd)["tau"]
     rneagen.casadi.write(robot, "iiwa14_casadi.c")         # the same as a C file, for acados and for programs in C
+    rneagen.casadi.integrate(robot, q, qd * dt)            # expressions: how positions move, and difference(robot, q0, q1)
 
 Inputs and outputs are those of one sample, columns (n, 1) and matrices, by the names of robot.inputs and robot.outputs. Matrices
 are sparse, as the robot is. Nothing calls back into Python: functions may be mapped over threads.
@@ -11,7 +12,8 @@ jac_adj1_NAME. Other derivatives of derivatives, jacobian(jacobian(f(x), x), x) 
 "Derivatives cannot be calculated". There are no finite differences.
 
 With a floating base, outputs are functions of the seven numbers of q with the quaternion divided by its length, and derivatives
-are by these numbers. They have no part along the quaternion. A quaternion of zeros makes results that are no numbers.
+are by these numbers. They have no part along the quaternion. A quaternion of zeros makes results that are no numbers. integrate and
+difference have this too.
 """
 from __future__ import annotations
 
@@ -24,7 +26,7 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
-from . import _core, _robot
+from . import _core, _lie, _robot
 from ._casadi_c import identifier, is_taken
 from ._casadi_model import Model
 from ._casadi_text import File
@@ -72,6 +74,92 @@ def function(robot, name: str | None = None, derivatives: int = 2, forward: bool
     cache = {k: robot._options[k] for k in ("cache",) if robot._options.get(k) is not None}
     made = translated(_core.compile, _text(robot, name, derivatives, forward), {"file": f"{name}.c", **cache})
     return casadi.external(name, _kept(name, made), options)
+
+
+# ---- positions, by the formulas of _lie.py ----
+
+
+def integrate(robot, q: Any, v: Any) -> Any:
+    """robot.integrate of q (nq, 1) and v (nv, 1), of SX, MX or DM: an expression, whose derivatives are finite also where nothing
+    moves."""
+    return _joined(robot, {"q": (q, robot.nq), "v": (v, robot.nv)}, lambda q, v: q + v, _moved)
+
+
+def difference(robot, q0: Any, q1: Any) -> Any:
+    """robot.difference of q0 and q1 (nq, 1): the velocity (nv, 1) by which integrate makes q1 of q0."""
+    return _joined(robot, {"q0": (q0, robot.nq), "q1": (q1, robot.nq)}, lambda q0, q1: q1 - q0, _between)
+
+
+def _joined(robot, given: dict[str, tuple[Any, int]], plain, floating) -> Any:
+    """Coordinates by `plain`, floating joints by `floating`."""
+    casadi, columns = _casadi(), []
+    if robot._conversion:
+        raise TypeError(f"convention {robot.convention!r}: positions move by velocities of convention 'pinocchio'")
+    for name, (x, rows) in given.items():
+        x = x if isinstance(x, (casadi.SX, casadi.MX)) else casadi.DM(x)
+        if x.shape != (rows, 1):
+            raise ValueError(f"{name}: its shape is {x.shape}; {(rows, 1)} is wanted")
+        columns.append((x, *(("iv", "nv") if name == "v" else ("iq", "nq"))))
+    return casadi.vertcat(*((floating if joint["nq"] != joint["nv"] else plain)(
+        *(x[joint[i]:joint[i] + joint[n]] for x, i, n in columns)) for joint in robot.joints))
+
+
+def _turned(u, v):
+    casadi = _casadi()
+    across = casadi.cross(u[:3], v)
+    return v + 2 * (u[3] * across + casadi.cross(u[:3], across))
+
+
+def _product(u, w):
+    casadi = _casadi()
+    return casadi.vertcat(u[3] * w[:3] + w[3] * u[:3] + casadi.cross(u[:3], w[:3]), u[3] * w[3] - casadi.dot(u[:3], w[:3]))
+
+
+def _unit(u):
+    return u / _casadi().norm_2(u)
+
+
+def _near(xx):
+    """Is it so small that series are taken; and it, or 1 there, so that what is not taken is finite."""
+    is_near = xx < _lie.NEAR
+    return is_near, _casadi().if_else(is_near, 1, xx)
+
+
+def _moved(q, v):
+    casadi = _casadi()
+    a, b, u = v[:3], v[3:], _unit(q[3:])
+    tt = casadi.dot(b, b)
+    is_near, far = _near(tt)
+    t = casadi.sqrt(far)
+    half = casadi.if_else(is_near, 0.5 - tt / 48 + tt**2 / 3840, casadi.sin(t / 2) / t)
+    scalar = casadi.if_else(is_near, 1 - tt / 8 + tt**2 / 384 - tt**3 / 46080, casadi.cos(t / 2))
+    C = casadi.if_else(is_near, 1 / 6 - tt / 120 + tt**2 / 5040, (t - casadi.sin(t)) / (far * t))
+    across = casadi.cross(b, a)
+    step = a + 2 * half**2 * across + C * casadi.cross(b, across)
+    return casadi.vertcat(q[:3] + _turned(u, step), _unit(_product(u, casadi.vertcat(half * b, scalar))))
+
+
+def _between(q0, q1):
+    casadi = _casadi()
+    u = _unit(q0[3:])
+    back = casadi.vertcat(-u[:3], u[3])
+    r = _product(back, _unit(q1[3:]))
+    r = casadi.if_else(r[3] < 0, -r, r)
+    w, s, nn = r[:3], r[3], casadi.dot(r[:3], r[:3])
+    is_near, far = _near(nn)
+    near = casadi.if_else(is_near, s, 1)
+    n, x = casadi.sqrt(far), nn / near**2
+    b = w * casadi.if_else(is_near, 2 / near * (1 - x / 3 + x**2 / 5 - x**3 / 7 + x**4 / 9), 2 * casadi.atan2(n, s) / n)
+    tt = casadi.dot(b, b)
+    is_near, far = _near(tt)
+    t = casadi.sqrt(far)
+    D = casadi.if_else(is_near, 1 / 12 + tt / 720 + tt**2 / 30240, (1 - t / 2 * casadi.cos(t / 2) / casadi.sin(t / 2)) / far)
+    step = _turned(back, q1[:3] - q0[:3])
+    across = casadi.cross(b, step)
+    return casadi.vertcat(step - across / 2 + D * casadi.cross(b, across), b)
+
+
+# ---- files ----
 
 
 def _casadi():
