@@ -167,7 +167,8 @@ def case_products():
     assert sweep is robot.want(vjp=["tau", "twist.iiwa_link_5"], by=["payload.iiwa_link_7"])
     along = robot.want(jvp="pose.iiwa_link_7")
     assert [a.name for a in along.inputs] in (["q", "payload_iiwa_link_7", "jvp_v"], ["q", "jvp_v"])
-    refused(NotImplementedError, ["no second derivatives by", "payload.iiwa_link_7"], sweep(q, qd, qdd, load_of, w).vjp.sum().backward)
+    refused(NotImplementedError, ["no second derivatives by", "payload.iiwa_link_7"],
+            sweep(q, qd, qdd, load_of, w).vjp.sum().backward)
     refused(NotImplementedError, ["jvp has no gradient"], along(*(q if a.name == "q" else load_of if a.of else torch.ones(
         5, 21, dtype=torch.float64, device=device) for a in along.inputs)).sum().backward)
     refused(TypeError, ["vpj", "vjp"], robot.want, vpj=["tau"])
@@ -362,8 +363,8 @@ def case_second():
         hessian = torch.func.hessian(loss)(x[0].detach()[0])
         assert near(hessian, hessian.T, 1e-11), options
         assert near(torch.autograd.functional.hessian(loss, x[0].detach()[0]), hessian, 1e-11), options
-        refused(NotImplementedError, ["no third derivatives", "hessian", "differences"], torch.func.jacfwd(torch.func.hessian(loss)),
-                x[0].detach()[0])
+        refused(NotImplementedError, ["no third derivatives", "hessian", "differences"],
+                torch.func.jacfwd(torch.func.hessian(loss)), x[0].detach()[0])
 
 
 def case_positions():
@@ -381,7 +382,8 @@ def case_positions():
     assert torch.autograd.gradcheck(robot.difference, [q, there.detach().requires_grad_()])
     refused(ValueError, ["v", "(3, 8)"], robot.integrate, q, q)
     q, v = q.detach(), v.detach()
-    start, right = torch.from_numpy(robot.neutral()).to(device), robot.integrate(torch.from_numpy(robot.neutral()).to(device), v[0])
+    start = torch.from_numpy(robot.neutral()).to(device)
+    right = robot.integrate(start, v[0])
     for kind in (torch.int32, torch.float32):
         made = robot.integrate(start.to(kind), v[0])
         assert made.dtype == torch.float64 and near(made, right) and near(robot.difference(start.to(kind), made), v[0]), kind

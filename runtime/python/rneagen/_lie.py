@@ -35,7 +35,7 @@ def namespace(**given: Any):
 
 
 def alike(given: dict[str, Any], is_autocast, to) -> list:
-    """Whole numbers become float64, as does float32 beside it; where autocast is on halves become float32. Others are a TypeError."""
+    """Whole numbers become float64, as does float32 beside it; where autocast is on, halves float32. Others are a TypeError."""
     words = {name: str(x.dtype).rpartition(".")[2] for name, x in given.items()}
     for name, word in words.items():
         if word.startswith(("int", "uint")):

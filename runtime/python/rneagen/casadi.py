@@ -12,8 +12,8 @@ jac_adj1_NAME. Other derivatives of derivatives, jacobian(jacobian(f(x), x), x) 
 "Derivatives cannot be calculated". There are no finite differences.
 
 With a floating base, outputs are functions of the seven numbers of q with the quaternion divided by its length, and derivatives
-are by these numbers. They have no part along the quaternion. A quaternion of zeros makes results that are no numbers. integrate and
-difference have this too.
+are by these numbers. They have no part along the quaternion. A quaternion of zeros makes results that are no numbers. So it is
+with integrate and difference.
 """
 from __future__ import annotations
 
