@@ -303,6 +303,9 @@ struct rnea_options {
 	size_t compile_count;
 	char *log;       /* receives the compiler's whole log, cut to log_size bytes with its final NUL; NULL: not wanted */
 	size_t log_size;
+	int (*stop)(void *context); /* HOST: asked with stop_context, some times a second and after signals, while the compiler runs or
+				       another process compiles the same; not 0: the compiler is killed, error COMPILER. NULL: nobody */
+	void *stop_context;
 };
 
 /* Compile `length` bytes at `source` (written by rneagen for target cuda or c; need not be NUL-terminated), or take what

@@ -1,4 +1,5 @@
-/* openat, futimens */
+/* openat, futimens, flock */
+#define _DEFAULT_SOURCE
 #define _POSIX_C_SOURCE 200809L
 #include "cache/cache.h"
 #include "cache/cache_prune.h"
@@ -9,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -283,4 +285,36 @@ int cache_put(const struct cache *c, const void *key, size_t key_size, const voi
 	cache_prune(folder);
 	close(folder);
 	return kept;
+}
+
+/* ---- turns ---- */
+
+int cache_turn_begin(const struct cache *c, const void *key, size_t key_size, struct cache_turn *turn)
+{
+	int error;
+
+	*turn = (struct cache_turn){.folder = -1, .file = -1};
+	if (!c->folder[0] || (turn->folder = open_or_make_folder(c->folder, &error)) < 0)
+		return 1;
+	cache_name_turn(turn->name, hash_add(hash_start, key, key_size));
+	turn->file = openat(turn->folder, turn->name, O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, S_IRUSR | S_IWUSR);
+	if (turn->file < 0 || flock(turn->file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)
+		return 1;
+	close(turn->file);
+	turn->file = -1;
+	cache_turn_end(turn);
+	return 0;
+}
+
+/* Unlocked by word, for a forked child may have the file open too. */
+void cache_turn_end(struct cache_turn *turn)
+{
+	if (turn->file >= 0) {
+		unlinkat(turn->folder, turn->name, 0);
+		flock(turn->file, LOCK_UN);
+		close(turn->file);
+	}
+	if (turn->folder >= 0)
+		close(turn->folder);
+	turn->folder = turn->file = -1;
 }

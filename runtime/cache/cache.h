@@ -24,7 +24,7 @@ struct cache_why {
 };
 
 /* Choose the folder: `folder` if it is not NULL ("": none), else RNEA_CACHE, else XDG_CACHE_HOME/rnea, else
-   HOME/.cache/rnea if HOME is this user's. It is made, with its parents, when the first entry is put into it. */
+   HOME/.cache/rnea if HOME is this user's. It is made, with its parents, when the first entry is to be made. */
 void cache_open(struct cache *c, const char *folder);
 
 /* The image kept under `key`: 1 and *data (malloc, *size bytes and a NUL), or 0, NULL and 0. */
@@ -33,5 +33,17 @@ int cache_get(const struct cache *c, const void *key, size_t key_size, char **da
 /* Keep an image, in place of whatever is there but a folder that is not empty: 1, or 0 and *why (NULL: not wanted) names
    the folder or file and says what is wrong with it; "" where no folder was chosen. */
 int cache_put(const struct cache *c, const void *key, size_t key_size, const void *data, size_t size, struct cache_why *why);
+
+/* Whose turn it is to make an entry, where several processes miss the same at once: a file that is locked, and gone afterwards.
+   Who is killed has given its turn away. */
+struct cache_turn {
+	int folder, file; /* -1: none */
+	char name[80];
+};
+
+/* 1: it is the caller's turn, which ends with cache_turn_end, or turns cannot be taken here; 0: another process, or another
+   thread, is at it. */
+int cache_turn_begin(const struct cache *c, const void *key, size_t key_size, struct cache_turn *turn);
+void cache_turn_end(struct cache_turn *turn);
 
 #endif

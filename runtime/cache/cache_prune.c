@@ -34,6 +34,11 @@ void cache_name_entry(char name[CACHE_NAME_SIZE], uint64_t hash)
 	snprintf(name, CACHE_NAME_SIZE, "%s%016" PRIx64, prefix, hash);
 }
 
+void cache_name_turn(char name[CACHE_NAME_SIZE], uint64_t hash)
+{
+	snprintf(name, CACHE_NAME_SIZE, "%sturn-%016" PRIx64, temporary, hash);
+}
+
 /* The process, the time and the attempt; O_EXCL tells where even these coincide. */
 void cache_name_temporary(char name[CACHE_NAME_SIZE], int attempt)
 {

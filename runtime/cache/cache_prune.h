@@ -13,6 +13,9 @@ void cache_name_entry(char name[CACHE_NAME_SIZE], uint64_t hash);
 /* A name for a file that is being written; another for each `attempt`. */
 void cache_name_temporary(char name[CACHE_NAME_SIZE], int attempt);
 
+/* The file by which processes take turns at making that entry; stale as a temporary is. */
+void cache_name_turn(char name[CACHE_NAME_SIZE], uint64_t hash);
+
 /* Remove what killed writers left, and the entries unused for longest where there are more of them, or of their bytes,
    than cache.h says. */
 void cache_prune(int folder);

@@ -67,8 +67,9 @@ static int set_files(posix_spawn_file_actions_t *files, int out)
 	return e;
 }
 
-/* A signal that this process ignores or blocks would be ignored or blocked by the compiler too. */
-static int set_signals(posix_spawnattr_t *attributes)
+/* A signal that this process ignores or blocks would be ignored or blocked by the compiler too. What may be stopped is a
+   group of processes, which can be killed together. */
+static int set_signals(posix_spawnattr_t *attributes, int is_group)
 {
 	sigset_t all, none;
 	int e;
@@ -77,13 +78,14 @@ static int set_signals(posix_spawnattr_t *attributes)
 	sigdelset(&all, SIGKILL);
 	sigdelset(&all, SIGSTOP);
 	sigemptyset(&none);
-	e = posix_spawnattr_setflags(attributes, POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK);
+	e = posix_spawnattr_setflags(attributes,
+		(short)(POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK | (is_group ? POSIX_SPAWN_SETPGROUP : 0)));
 	if (!e)
 		e = posix_spawnattr_setsigdefault(attributes, &all);
 	return e ? e : posix_spawnattr_setsigmask(attributes, &none);
 }
 
-static int spawn(pid_t *pid, const char *path, const char *const *argv, char **env, int out)
+static int spawn(pid_t *pid, const char *path, const char *const *argv, char **env, int is_group, int out)
 {
 	posix_spawn_file_actions_t files;
 	posix_spawnattr_t attributes;
@@ -94,7 +96,7 @@ static int spawn(pid_t *pid, const char *path, const char *const *argv, char **e
 	if ((e = posix_spawnattr_init(&attributes)) == 0) {
 		e = set_files(&files, out);
 		if (!e)
-			e = set_signals(&attributes);
+			e = set_signals(&attributes, is_group);
 		if (!e)
 			e = posix_spawn(pid, path, &files, &attributes, (char *const *)argv, env);
 		posix_spawnattr_destroy(&attributes);
@@ -138,7 +140,7 @@ static int read_some(int in, char *output, size_t *size)
 }
 
 /* Until nobody can write any more, or the child has ended and what it left running has nothing to say. */
-static void listen_to(pid_t pid, int in, struct child *end)
+static void listen_to(pid_t pid, int in, const struct child_stop *stop, struct child *end)
 {
 	struct pollfd ready = {.fd = in, .events = POLLIN};
 	size_t size = 0;
@@ -146,6 +148,8 @@ static void listen_to(pid_t pid, int in, struct child *end)
 
 	do {
 		n = poll(&ready, 1, POLL_MILLISECONDS);
+		if (n <= 0 && !ended && stop && stop->ask && stop->ask(stop->context))
+			kill(-pid, SIGKILL);
 		if (n == 0 && !ended)
 			ended = has_ended(pid, WNOHANG, end);
 		else if (n == 0)
@@ -159,22 +163,23 @@ static void listen_to(pid_t pid, int in, struct child *end)
 	end->output[size] = '\0';
 }
 
-static int run(const char *path, const char *const *argv, char **env, struct child *end)
+static int run(const char *path, const char *const *argv, char **env, const struct child_stop *stop, struct child *end)
 {
 	int ends[2], e;
 	pid_t pid;
 
 	if (pipe2(ends, O_CLOEXEC) != 0)
 		return errno;
-	e = spawn(&pid, path, argv, env, ends[1]);
+	e = spawn(&pid, path, argv, env, stop && stop->ask, ends[1]);
 	close(ends[1]);
 	if (!e)
-		listen_to(pid, ends[0], end);
+		listen_to(pid, ends[0], stop, end);
 	close(ends[0]);
 	return e;
 }
 
-int child_run(const char *path, const char *const *argv, const char *const *variables, struct child *end)
+int child_run(const char *path, const char *const *argv, const char *const *variables, const struct child_stop *stop,
+	struct child *end)
 {
 	char **env = environment(variables);
 	int e = ENOMEM;
@@ -182,7 +187,7 @@ int child_run(const char *path, const char *const *argv, const char *const *vari
 	memset(end, 0, sizeof *end);
 	/* memory is taken before the program starts: afterwards nothing may keep this from waiting for it */
 	if (env && (end->output = malloc(CHILD_OUTPUT_LIMIT + 1)) != NULL)
-		e = run(path, argv, env, end);
+		e = run(path, argv, env, stop, end);
 	free(env);
 	if (e) {
 		free(end->output);

@@ -55,7 +55,8 @@ static enum rnea_code open_text(struct state *s, const struct backend_request *r
 		.unkept = r->unkept,
 		.threads = o->threads,
 		.log = o->log,
-		.log_size = o->log_size};
+		.log_size = o->log_size,
+		.stop = {o->stop, o->stop_context}};
 
 	if (host_open(&s->host, &request, e) || rnea_info_read(s->host.info, strlen(s->host.info), r->source->name, info, e))
 		return e->code;

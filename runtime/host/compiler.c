@@ -70,7 +70,7 @@ static enum rnea_code run(const struct attempt *a, int is_native, struct child *
 	argv[n++] = a->source;
 	argv[n++] = "-xnone";
 	argv[n] = "-lm";
-	why = child_run(a->compiler->path, argv, variables, end);
+	why = child_run(a->compiler->path, argv, variables, &r->stop, end);
 	free(argv);
 	return why ? cannot_run(a, why, e) : RNEA_OK;
 }
@@ -214,7 +214,7 @@ void compiler_describe(const struct compiler *c, char *text, size_t size)
 	struct child end;
 
 	snprintf(text, size, "%s", c->path);
-	if (child_run(c->path, argv, variables, &end) != 0)
+	if (child_run(c->path, argv, variables, NULL, &end) != 0)
 		return;
 	end.output[strcspn(end.output, "\r\n")] = '\0';
 	if (end.status == 0 && end.output[0])

@@ -2,6 +2,7 @@
 #define RNEA_COMPILER_H
 /* The machine's C compiler: which it is, and a text made into a shared object by it. */
 
+#include "core/child.h"
 #include "core/failure.h"
 #include <stddef.h>
 
@@ -17,6 +18,7 @@ struct compiler_request {
 	size_t option_count;
 	char *log; /* as in struct rnea_options */
 	size_t log_size;
+	struct child_stop stop;
 };
 
 /* PATH, along which compilers are looked for, and look for their assembler and linker; where it is not set, what the

@@ -1,3 +1,5 @@
+/* nanosleep */
+#define _POSIX_C_SOURCE 200809L
 #include "host/host.h"
 #include "host/compiler.h"
 #include "core/library.h"
@@ -7,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 /* ---- loading ---- */
 
@@ -65,7 +68,8 @@ static enum rnea_code load_compiled(struct host *h, const struct host_request *r
 		.options = r->options,
 		.option_count = r->option_count,
 		.log = r->log,
-		.log_size = r->log_size};
+		.log_size = r->log_size,
+		.stop = r->stop};
 	size_t size;
 	char *data;
 
@@ -80,6 +84,28 @@ static enum rnea_code load_compiled(struct host *h, const struct host_request *r
 	return e->code;
 }
 
+/* ---- opening ---- */
+
+enum { TURN_MILLISECONDS = 20, TURN_LIMIT = 300 * 1000 / TURN_MILLISECONDS };
+
+/* What another process compiles is waited for, though not for ever: a fork of one that was killed may still hold its turn. */
+static enum rnea_code load_in_turn(struct host *h, const struct host_request *r, const struct compiler *c,
+	const struct host_key *key, struct rnea_error *e)
+{
+	struct cache_turn turn = {-1, -1, ""};
+	const struct timespec pause = {.tv_nsec = TURN_MILLISECONDS * 1000000L};
+
+	for (int i = 0; key->data && i < TURN_LIMIT && !cache_turn_begin(r->cache, key->data, key->size, &turn); i++) {
+		nanosleep(&pause, NULL);
+		if (r->stop.ask && r->stop.ask(r->stop.context))
+			return rnea_error_set(e, RNEA_COMPILER, "%s: stopped while another process compiled it", r->file);
+	}
+	if (!load_cached(h, r, key))
+		load_compiled(h, r, c, key, e);
+	cache_turn_end(&turn);
+	return e->code;
+}
+
 enum rnea_code host_open(struct host *h, const struct host_request *r, struct rnea_error *e)
 {
 	struct host_key key = {0};
@@ -89,7 +115,7 @@ enum rnea_code host_open(struct host *h, const struct host_request *r, struct rn
 	if (!c)
 		rnea_error_memory(e);
 	else if (!compiler_find(c, e) && !host_key(&key, r, c, e) && !load_cached(h, r, &key))
-		load_compiled(h, r, c, &key, e);
+		load_in_turn(h, r, c, &key, e);
 	free(key.data);
 	free(c);
 	if (!e->code && (h->workers = workers_open(r->threads)) == NULL)

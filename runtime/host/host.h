@@ -3,6 +3,7 @@
 /* The host backend: a text compiled by the machine's C compiler to a shared object, in this process. */
 
 #include "cache/cache.h"
+#include "core/child.h"
 #include "core/failure.h"
 #include "core/workers.h"
 #include <stddef.h>
@@ -18,6 +19,7 @@ struct host_request {
 	unsigned threads; /* 0: one for each processor */
 	char *log;	  /* as in struct rnea_options; the caller has emptied it */
 	size_t log_size;
+	struct child_stop stop;
 };
 
 /* Samples `first` to `end` - 1 of a batch of `count`; `arrays` in the order of the function's signature. */

@@ -13,7 +13,7 @@ static enum rneagen_code run(const char *option, const char *flag, const char *s
 	const char *const argv[] = {"env", "gnuplot", flag, script, NULL}, *const none[] = {NULL};
 	struct child end;
 
-	if (child_run("/usr/bin/env", argv, none, &end))
+	if (child_run("/usr/bin/env", argv, none, NULL, &end))
 		return error_set(e, RNEAGEN_UNSUPPORTED, "%s: /usr/bin/env cannot be run", option);
 	if (end.status == 127)
 		error_set(e, RNEAGEN_UNSUPPORTED, "%s: gnuplot is not installed: there is none in PATH", option);

@@ -48,6 +48,17 @@ static PyObject *generate(PyObject *self, PyObject *args)
 
 /* ---- robots ---- */
 
+int interrupted(void *context)
+{
+	PyThreadState **state = context;
+	int found;
+
+	PyEval_RestoreThread(*state);
+	found = PyErr_Occurred() || PyErr_CheckSignals();
+	*state = PyEval_SaveThread();
+	return found;
+}
+
 static PyObject *open_text(PyObject *self, PyObject *args)
 {
 	const struct core *core = PyModule_GetState(self);
@@ -56,14 +67,21 @@ static PyObject *open_text(PyObject *self, PyObject *args)
 	struct rnea_error e;
 	enum rnea_code code;
 	PyObject *options;
+	PyThreadState *state;
 	Py_ssize_t length;
 	const char *text;
 
 	if (!PyArg_ParseTuple(args, "s#O!", &text, &length, &PyDict_Type, &options) || options_take_open(options, &o))
 		return NULL;
-	Py_BEGIN_ALLOW_THREADS
+	o.stop = interrupted;
+	o.stop_context = &state;
+	state = PyEval_SaveThread();
 	code = rnea_open(text, (size_t)length, &o, &robot, &e);
-	Py_END_ALLOW_THREADS
+	PyEval_RestoreThread(state);
+	if (PyErr_Occurred() && !code)
+		rnea_close(robot);
+	if (PyErr_Occurred())
+		return NULL;
 	return code ? raise_runtime(&e) : kernel_new(core->kernel, robot);
 }
 

@@ -63,6 +63,10 @@ PyObject *step_new(PyTypeObject *type, struct call *c);
 /* compile(text, options): the text as a shared object, in bytes (object.c). */
 PyObject *object_make(PyObject *self, PyObject *args);
 
+/* rnea_options.stop: has a signal raised an exception, KeyboardInterrupt for one? It stays, for the caller to return. `context`
+   holds what PyEval_SaveThread returned. */
+int interrupted(void *context);
+
 /* For JAX (xla.c): {platform: capsule of a handler}, empty where XLA's header was not there when this was built; and
    _keep(number, kernel, device): programs that XLA compiled may name it by its number for as long as the process lives.
    device -1: the processor. */

@@ -8,7 +8,7 @@
 static enum rnea_code find_or_run(
 	const struct host_request *r, const struct compiler *c, char **data, size_t *size, struct rnea_error *e)
 {
-	const struct compiler_request request = {.source = r->source, .file = r->file};
+	const struct compiler_request request = {.source = r->source, .file = r->file, .stop = r->stop};
 	struct host_key key;
 
 	if (host_key(&key, r, c, e))
@@ -21,11 +21,12 @@ static enum rnea_code find_or_run(
 
 /* As the host backend names it, but for NAME_info, which it has none of. */
 static enum rnea_code make_object(
-	const char *text, const struct rnea_options *o, char **data, size_t *size, struct rnea_error *e)
+	const char *text, const struct rnea_options *o, PyThreadState **state, char **data, size_t *size, struct rnea_error *e)
 {
 	struct cache cache;
 	const struct host_request request = {
-		.source = text, .file = o->file ? o->file : "<text>", .name = "", .cache = &cache};
+		.source = text, .file = o->file ? o->file : "<text>", .name = "", .cache = &cache,
+		.stop = {interrupted, state}};
 	struct compiler *c = malloc(sizeof *c);
 
 	cache_open(&cache, o->cache);
@@ -45,15 +46,20 @@ PyObject *object_make(PyObject *self, PyObject *args)
 	char *data = NULL;
 	size_t size = 0;
 	const char *text;
+	PyThreadState *state;
 
 	(void)self;
 	if (!PyArg_ParseTuple(args, "sO!", &text, &PyDict_Type, &options) || options_take_open(options, &o))
 		return NULL;
-	Py_BEGIN_ALLOW_THREADS
-	make_object(text, &o, &data, &size, &e);
-	Py_END_ALLOW_THREADS
-	if (e.code)
-		return raise_runtime(&e);
+	state = PyEval_SaveThread();
+	make_object(text, &o, &state, &data, &size, &e);
+	PyEval_RestoreThread(state);
+	if (e.code && !PyErr_Occurred())
+		raise_runtime(&e);
+	if (PyErr_Occurred()) {
+		free(data);
+		return NULL;
+	}
 	bytes = PyBytes_FromStringAndSize(data, (Py_ssize_t)size);
 	free(data);
 	return bytes;
