@@ -327,6 +327,49 @@ START_TEST(removed_while_read)
 }
 END_TEST
 
+/* ---- turns ---- */
+
+static int take_turn(void *context)
+{
+	struct cache_turn turn;
+
+	return cache_turn_begin(context, "key", 3, &turn);
+}
+
+static int fail_at_turn(void *context)
+{
+	struct cache_turn turn;
+
+	if (!cache_turn_begin(context, "key", 3, &turn))
+		return 1;
+	raise(SIGKILL);
+	return 0;
+}
+
+/* One at a time makes an entry, and who is killed holds nobody up; other entries, and where there is no cache, are free. */
+START_TEST(turns)
+{
+	struct cache c = cache_in("turns"), none = {""};
+	struct cache_turn first, second, other;
+
+	ck_assert_int_eq(cache_turn_begin(&c, "key", 3, &first), 1);
+	ck_assert_int_eq(cache_turn_begin(&c, "key", 3, &second), 0);
+	ck_assert_int_eq(run_child(take_turn, &c), 0);
+	ck_assert_int_eq(cache_turn_begin(&c, "other", 5, &other), 1);
+	ck_assert_int_eq(cache_turn_begin(&none, "key", 3, &second), 1);
+	cache_turn_end(&second);
+	cache_turn_end(&other);
+	ck_assert(put_text(&c, "key", "made"));
+	cache_turn_end(&first);
+	ck_assert_int_eq(run_child(fail_at_turn, &c), 128 + SIGKILL);
+	ck_assert_int_eq(run_child(take_turn, &c), 1);
+	ck_assert_int_eq(cache_turn_begin(&c, "key", 3, &first), 1);
+	cache_turn_end(&first);
+	ck_assert_int_eq(count_temporaries(c.folder), 0);
+	get_is(&c, "key", "made");
+}
+END_TEST
+
 Suite *suite_cache_race(void)
 {
 	Suite *s = suite_create("cache race");
@@ -339,6 +382,7 @@ Suite *suite_cache_race(void)
 	tcase_add_test(t, killed_writers);
 	tcase_add_test(t, gone_while_read);
 	tcase_add_test(t, removed_while_read);
+	tcase_add_test(t, turns);
 	suite_add_tcase(s, t);
 	return s;
 }
