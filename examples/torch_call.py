@@ -24,7 +24,7 @@ class rnea_error(ctypes.Structure):
 class rnea_options(ctypes.Structure):
     _fields_ = [("backend", c_int), ("file", c_char_p), ("device", c_int), ("block", c_uint), ("threads", c_uint),
                 ("cache", c_char_p), ("compile", POINTER(c_char_p)), ("compile_count", c_size_t), ("log", c_char_p),
-                ("log_size", c_size_t)]
+                ("log_size", c_size_t), ("stop", c_void_p), ("stop_context", c_void_p)]
 
 
 class rnea_argument(ctypes.Structure):
