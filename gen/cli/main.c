@@ -4,6 +4,7 @@
 #include "cli/options.h"
 #include "cli/pending.h"
 #include "emit/target_type.h"
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -247,8 +248,11 @@ static int run(const struct command *c)
 int main(int argc, char **argv)
 {
 	struct command c = {.options = rneagen_options_default()};
-	int status = parse_command(&c, argc, argv);
+	int status;
 
+	/* a file that grows too large is an error like any other */
+	signal(SIGXFSZ, SIG_IGN);
+	status = parse_command(&c, argc, argv);
 	if (status < 0)
 		status = check_files(&c);
 	if (status < 0)

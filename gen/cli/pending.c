@@ -1,9 +1,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/pending.h"
-#include "base/text.h"
+#include "cli/pending_names.h"
 #include <errno.h>
 #include <fcntl.h>
-#include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,16 +10,14 @@
 #include <unistd.h>
 
 enum {
-	PENDING_LIMIT = 68, /* more than a kernel has arrays */
-	LINKS = 40,         /* that lead to one another, as many as Linux follows */
-	KEPT = 100          /* bytes of a file's name in its temporary one */
+	PENDING_LIMIT = 68 /* more than a kernel has arrays */
 };
 
 /* Names for the handler, which can take no argument; changed only while the signals are blocked. */
 static char *volatile names[PENDING_LIMIT];
 static void (*volatile also)(void);
 
-static const int SIGNALS[] = {SIGINT, SIGTERM, SIGHUP};
+static const int SIGNALS[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXCPU};
 enum { SIGNAL_COUNT = sizeof SIGNALS / sizeof *SIGNALS };
 
 /* Remove what is pending, then die of the signal as if there were no handler. */
@@ -73,75 +70,6 @@ static int replace_name(const char *old, char *name)
 	}
 	return 0;
 }
-
-/* ---- names ---- */
-
-/* The number of the open file that a name of /dev or /proc stands for; -1: it is another name. */
-static int find_open(const char *path)
-{
-	static const char *const folders[] = {"/dev/fd/", "/proc/self/fd/"};
-	char *end;
-	long fd = -1;
-
-	if (!strcmp(path, "/dev/stdout") || !strcmp(path, "/dev/stderr"))
-		return !strcmp(path, "/dev/stdout") ? STDOUT_FILENO : STDERR_FILENO;
-	for (size_t i = 0; i < sizeof folders / sizeof *folders; i++)
-		if (!strncmp(path, folders[i], strlen(folders[i]))) {
-			fd = strtol(path + strlen(folders[i]), &end, 10);
-			return *end || end == path + strlen(folders[i]) || fd < 0 || fd > INT_MAX ? -1 : (int)fd;
-		}
-	return -1;
-}
-
-int pending_target(const char *path, char target[PENDING_PATH])
-{
-	char text[PENDING_PATH];
-	const char *slash;
-	size_t folder, length = strlen(path);
-	ssize_t n;
-
-	if (length >= PENDING_PATH)
-		return ENAMETOOLONG;
-	memcpy(target, path, length + 1);
-	for (int i = 0; i < LINKS; i++) {
-		/* what is no link, or not there, or cannot be seen is the file: opening it tells more */
-		if (find_open(target) >= 0 || (n = readlink(target, text, sizeof text)) < 0)
-			return 0;
-		slash = strrchr(target, '/');
-		folder = *text == '/' || !slash ? 0 : (size_t)(slash - target) + 1;
-		if (folder + (size_t)n >= PENDING_PATH)
-			return ENAMETOOLONG;
-		memcpy(target + folder, text, (size_t)n);
-		target[folder + (size_t)n] = '\0';
-	}
-	return ELOOP;
-}
-
-static char *join(const char *path, size_t length, const char *suffix)
-{
-	size_t more = strlen(suffix) + 1;
-	char *name = malloc(length + more);
-
-	if (name) {
-		memcpy(name, path, length);
-		memcpy(name + length, suffix, more);
-	}
-	return name;
-}
-
-/* A name in the folder of `path` that begins as its own does: short, for a name may be as long as the folder allows. */
-static char *temporary_name(const char *path)
-{
-	const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-	size_t kept = strlen(name);
-
-	if (kept > KEPT)
-		for (kept = KEPT; kept && text_is_inside(name[kept]); kept--) /* characters of UTF-8 stay whole */
-			;
-	return join(path, (size_t)(name - path) + kept, ".XXXXXX");
-}
-
-/* ---- files ---- */
 
 /* Is the file of the temporary name still the one that was opened? Another run may have replaced what it takes for remains. */
 static int is_own(const struct pending *p)
@@ -222,6 +150,15 @@ static void note_file(struct pending *p)
 	}
 }
 
+/* What takes the place of a file has its mode. */
+static void take_mode(struct pending *p)
+{
+	struct stat st;
+
+	if (!stat(p->target, &st) && S_ISREG(st.st_mode))
+		fchmod(fileno(p->f), st.st_mode & 0777);
+}
+
 /* A file by p->temporary, made by `make`, which the handler knows of if `removes`. */
 static enum rneagen_code open_temporary(struct pending *p, FILE *(*make)(char *), int removes, struct rneagen_error *e)
 {
@@ -243,6 +180,7 @@ static enum rneagen_code open_temporary(struct pending *p, FILE *(*make)(char *)
 		*p = (struct pending){0};
 	} else {
 		note_file(p);
+		take_mode(p);
 	}
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
 	return e->code;
@@ -257,14 +195,6 @@ static FILE *open_again(int fd)
 	if (!f && again >= 0)
 		close(again);
 	return f;
-}
-
-int pending_is_in_place(const char *path)
-{
-	char target[PENDING_PATH];
-	struct stat st;
-
-	return (!pending_target(path, target) && find_open(target) >= 0) || (!stat(path, &st) && !S_ISREG(st.st_mode));
 }
 
 /* Begin *p: the file of the name, through links. */
@@ -286,12 +216,32 @@ enum rneagen_code pending_open(struct pending *p, const char *path, struct rneag
 		return e->code;
 	if (!pending_is_in_place(path)) {
 		p->target = strdup(target);
-		p->temporary = temporary_name(target);
+		p->temporary = pending_temporary_name(target);
 		return open_temporary(p, create, 1, e);
 	}
-	fd = find_open(target);
+	fd = pending_number(target);
 	p->f = fd < 0 ? fopen(path, "wb") : open_again(fd);
 	return p->f ? RNEAGEN_OK : pending_fail(path, e);
+}
+
+/* A file that is written in place; a pipe may have no reader yet. */
+static int may_write(const char *path)
+{
+	struct stat st;
+
+	errno = !stat(path, &st) && S_ISDIR(st.st_mode) ? EISDIR : 0;
+	return !errno && !access(path, W_OK);
+}
+
+enum rneagen_code pending_try(const char *path, struct rneagen_error *e)
+{
+	struct pending p;
+
+	if (pending_is_in_place(path))
+		return may_write(path) ? RNEAGEN_OK : pending_fail(path, e);
+	if (!pending_open(&p, path, e))
+		pending_drop(&p);
+	return e->code;
 }
 
 /* In the place of what another run left. A link that stands there is not followed. */
@@ -324,7 +274,7 @@ static enum rneagen_code open_part(
 		return e->code;
 	p->stays = stays;
 	p->target = strdup(target);
-	p->temporary = join(target, strlen(target), ".part");
+	p->temporary = pending_part_name(target);
 	return open_temporary(p, make, !stays, e);
 }
 

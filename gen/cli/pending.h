@@ -3,7 +3,8 @@
 /* Output files of the commands that appear whole or not at all: a file is written under a name of its own in the same
    folder and takes its final name when it is complete. Where that is a symbolic link, the file is the one that it leads to.
    Devices and pipes, such as /dev/null, are written in place, and so are open files by their names in /dev, such as
-   /dev/stdout, whatever they are. A file that is still pending is removed when SIGINT, SIGTERM or SIGHUP ends the program. */
+   /dev/stdout, whatever they are. What takes the place of a file has its mode. A file that is still pending is removed when
+   SIGINT, SIGTERM, SIGHUP, SIGPIPE or SIGXCPU ends the program. */
 
 #include "base/error.h"
 #include <stdio.h>
@@ -30,6 +31,9 @@ int pending_is_in_place(const char *path);
 
 /* Begin a file. On failure *p is empty. Errors: WRITE, LIMIT (too many at once), MEMORY. */
 enum rneagen_code pending_open(struct pending *p, const char *path, struct rneagen_error *e);
+
+/* Could a file of this name be begun? It is found out, and nothing is left. Errors: as pending_open. */
+enum rneagen_code pending_try(const char *path, struct rneagen_error *e);
 
 /* Begin a file that others, who know its final name alone, write to as well: it is called PATH.part, and what another
    run left there is replaced. `keeps`: it is there, its contents stay, and so does it on failure. Errors: as

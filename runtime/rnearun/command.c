@@ -1,5 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "rnearun/command.h"
+#include "cli/pending.h"
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
@@ -70,6 +71,15 @@ int command_note(const struct command *c, struct file_names *names, const char *
 	return file_note(names, what, path, &e) ? fail_generator(c, &e) : -1;
 }
 
+/* Before work that takes minutes. */
+static enum rneagen_code try_outputs(const struct file_names *written, struct rneagen_error *e)
+{
+	for (size_t i = 0; i < written->count && !e->code; i++)
+		if (strcmp(written->list[i].path, "-"))
+			pending_try(written->list[i].path, e);
+	return e->code;
+}
+
 int command_check_files(const struct command *c)
 {
 	struct rneagen_error e = {0};
@@ -79,7 +89,9 @@ int command_check_files(const struct command *c)
 			return option_refuse(c->name,
 				"%s%s-: every rank reads what it needs, and standard input is there for the first one alone; name a file",
 				c->read.list[i].what, *c->read.list[i].what ? " " : "");
-	return file_check(&c->read, &c->written, &e) ? fail_generator(c, &e) : -1;
+	if (file_check(&c->read, &c->written, &e) || try_outputs(&c->written, &e))
+		return fail_generator(c, &e);
+	return -1;
 }
 
 void command_free(struct command *c)

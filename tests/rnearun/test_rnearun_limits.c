@@ -84,7 +84,7 @@ static int feed(const char *path, const char *pipe, pid_t pid)
 /* The states come through a pipe that never ends, so that the signal finds the command at work, however slow the test is. */
 START_TEST(test_interrupted)
 {
-	static const int numbers[] = {SIGINT, SIGTERM, SIGHUP};
+	static const int numbers[] = {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXCPU};
 	int status, out;
 	pid_t pid;
 
@@ -177,7 +177,7 @@ TCase *case_limits(void)
 
 	tcase_set_timeout(c, 120);
 	tcase_add_test(c, test_memory);
-	tcase_add_loop_test(c, test_interrupted, 0, 3);
+	tcase_add_loop_test(c, test_interrupted, 0, 5);
 	tcase_add_loop_test(c, test_compiler_interrupted, 0, 3);
 	tcase_add_test(c, test_full);
 	return c;
