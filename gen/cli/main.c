@@ -171,7 +171,7 @@ static int parse_command(struct command *c, int argc, char **argv)
 		if (key == OPTION_HELP || key == OPTION_VERSION)
 			return file_put_stdout(key == OPTION_HELP ? HELP : "rneagen " RNEAGEN_VERSION "\n") ? 1 : 0;
 		if (key == ':' || key == '?')
-			return option_refuse_key(COMMAND, key, argv[optind - 1]);
+			return option_refuse_key(COMMAND, key, argv[optind - 1], OPTIONS);
 		bad = parse_option(c, key, optarg);
 		if (bad)
 			return bad;

@@ -1,4 +1,5 @@
 #include "cli/options.h"
+#include "base/nearest.h"
 #include "cli/files.h"
 #include "base/number.h"
 #include "scene/scene_lines.h"
@@ -19,9 +20,30 @@ int option_refuse(const char *command, const char *fmt, ...)
 	return 2;
 }
 
-int option_refuse_key(const char *command, int key, const char *word)
+enum { LEAST_LETTERS = 3 }; /* of a name that is taken for another, misspelt */
+
+/* Of an option that getopt_long did not take: another one's name, a name with a value that it does not take, or neither. */
+static int refuse_unknown(const char *command, const char *word, const struct option *options)
 {
-	return option_refuse(command, key == ':' ? "option '%s' needs a value" : "option '%s' is not known", word);
+	char name[64];
+	size_t count = 0, length = strncmp(word, "--", 2) ? 0 : strcspn(word + 2, "=");
+	const char *meant;
+
+	snprintf(name, sizeof name, "%.*s", (int)(length < sizeof name ? length : 0), word + 2);
+	while (options[count].name)
+		count++;
+	meant = strlen(name) >= LEAST_LETTERS ? nearest_name(name, options, count, sizeof *options) : NULL;
+	if (!meant)
+		return option_refuse(command, "option '%s' is not known", word);
+	if (!strcmp(meant, name))
+		return option_refuse(command, "option '--%s' takes no value", name);
+	fprintf(stderr, "%s: option '%s' is not known; did you mean '--%s'?\n", command, word, meant);
+	return 2;
+}
+
+int option_refuse_key(const char *command, int key, const char *word, const struct option *options)
+{
+	return key == ':' ? option_refuse(command, "option '%s' needs a value", word) : refuse_unknown(command, word, options);
 }
 
 int option_choose(

@@ -137,7 +137,7 @@ void option_free(struct rneagen_options *o);
 /* Is the command line at fault, and not the robot or a file? The exit status is 2 then, else 1. */
 int option_at_fault(enum rneagen_code code);
 
-/* The message for what getopt_long returned as ':' or '?' in an optstring that begins with ':'; returns 2. */
-int option_refuse_key(const char *command, int key, const char *word);
+/* The message for what getopt_long returned as ':' or '?' in an optstring that begins with ':', and of `options`; returns 2. */
+int option_refuse_key(const char *command, int key, const char *word, const struct option *options);
 
 #endif

@@ -63,7 +63,7 @@ int run_check(struct ranks *ranks, int argc, char **argv)
 		if (key == OPTION_HELP)
 			return file_put_stdout(HELP) ? 1 : 0;
 		if (key == ':' || key == '?')
-			return option_refuse_key(NAME, key, argv[optind - 1]);
+			return option_refuse_key(NAME, key, argv[optind - 1], options);
 		if (command_number(NAME, "threads", optarg, 1, 65536, &threads))
 			return 2;
 	}

@@ -122,7 +122,7 @@ int command_parse(
 		if (key == OPTION_HELP)
 			return file_put_stdout(kind->help) ? 1 : 0;
 		if (key == ':' || key == '?')
-			return option_refuse_key(c->name, key, argv[optind - 1]);
+			return option_refuse_key(c->name, key, argv[optind - 1], kind->options);
 		if (option_file(key, optarg) && (bad = command_note(c, &c->read, "", optarg)) > 0)
 			return bad;
 		bad = take_common(c, key, optarg);

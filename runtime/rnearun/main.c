@@ -1,5 +1,6 @@
 /* The command `rnearun`: a table of subcommands. */
 #define _POSIX_C_SOURCE 200809L
+#include "base/nearest.h"
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/pending.h"
@@ -10,6 +11,7 @@
 #include "eval/run_eval.h"
 #include "study/run_report.h"
 #include <signal.h>
+#include <stdio.h>
 #include <string.h>
 
 static const char HELP[] =
@@ -43,7 +45,7 @@ enum { SUBCOMMAND_COUNT = sizeof SUBCOMMANDS / sizeof *SUBCOMMANDS };
 
 static int run(struct ranks *ranks, int argc, char **argv)
 {
-	const char *word = argc > 1 ? argv[1] : "";
+	const char *word = argc > 1 ? argv[1] : "", *meant;
 
 	if (!strcmp(word, "--help"))
 		return file_put_stdout(HELP) ? 1 : 0;
@@ -54,6 +56,11 @@ static int run(struct ranks *ranks, int argc, char **argv)
 			return SUBCOMMANDS[i].run(ranks, argc - 1, argv + 1);
 	if (argc < 2)
 		return option_refuse("rnearun", "no command named");
+	meant = nearest_name(word, SUBCOMMANDS, SUBCOMMAND_COUNT, sizeof *SUBCOMMANDS);
+	if (*word != '-' && meant) {
+		fprintf(stderr, "rnearun: command '%s' is not known; did you mean '%s'?\n", word, meant);
+		return 2;
+	}
 	return option_refuse("rnearun", *word == '-' ? "option '%s' is not known" : "command '%s' is not known", word);
 }
 
