@@ -22,13 +22,23 @@ static struct source source(struct dag *d, int input, const struct row *rows, in
 
 /* ---- the whole ---- */
 
-/* tau . qd */
-static struct ref power(const struct tour *r)
+/* Where accelerations are found torques are given; products take those of the accelerations, which vary with all inputs. */
+static int has_torques_given(const struct build *b)
 {
+	return b->k->is_forward && !request_wants(b->k, WANT_JVP) && !request_wants(b->k, WANT_VJP);
+}
+
+/* tau . qd */
+static struct ref power(const struct build *b, const struct tour *r)
+{
+	int are_given = has_torques_given(b);
 	struct ref sum = {0};
 
-	for (int i = 0; i < r->t->nv; i++)
-		sum = dag_add(r->d, sum, dag_mul(r->d, r->tau[i], source_row(r->d, &r->in.qd, i)));
+	for (int i = 0; i < r->t->nv; i++) {
+		struct ref tau = are_given ? source_row(r->d, &b->forward->torques, i) : r->tau[i];
+
+		sum = dag_add(r->d, sum, dag_mul(r->d, tau, source_row(r->d, &r->in.qd, i)));
+	}
 	return sum;
 }
 
@@ -129,8 +139,8 @@ static void output_scalars(const struct build *b, const struct tour *r)
 	int power_out = output_of(b, WANT_POWER), kinetic_out = output_of(b, WANT_KINETIC);
 
 	dag_section(b->d, SECTION_TOTALS, 0);
-	if (power_out >= 0 && r->tau)
-		dag_output(b->d, power_out, 0, power(r));
+	if (power_out >= 0 && (r->tau || has_torques_given(b)))
+		dag_output(b->d, power_out, 0, power(b, r));
 	if (kinetic_out >= 0)
 		dag_output(b->d, kinetic_out, 0, b->kinetic);
 }
@@ -165,7 +175,7 @@ static void run_main(struct build *b, struct joint_inputs in)
 	r.left = want_left;
 	r.own_terms = own_terms;
 	r.tau_out = output_of(b, WANT_TAU);
-	r.comes_back = request_wants(b->k, WANT_POWER) || request_wants(b->k, WANT_WRENCH) || request_wants_derivative(b->k);
+	r.comes_back = (request_wants(b->k, WANT_POWER) && !has_torques_given(b)) || request_wants(b->k, WANT_WRENCH) || request_wants_derivative(b->k);
 	begin_recursion(b, &r);
 	if (request_wants(b->k, WANT_REGRESSOR))
 		regressor_begin(&b->regressor, &r, output_of(b, WANT_REGRESSOR));

@@ -393,14 +393,14 @@ END_TEST
 
 /* ---- the cheaper way ---- */
 
-static size_t operations_by(const char *urdf, enum rneagen_base base, const char *way)
+static size_t operations_by(const char *urdf, enum rneagen_base base, const char *want, const char *way)
 {
 	struct rneagen_options o = rneagen_options_default();
 	char scene[64];
 	struct scene_model m;
 	size_t n;
 
-	snprintf(scene, sizeof scene, "want qdd\ndynamics %s\n", way);
+	snprintf(scene, sizeof scene, "want %s\ndynamics %s\n", want, way);
 	o.scene = scene;
 	o.base = base;
 	ck_assert_msg(!scene_open(&m, urdf, &o), "%s", m.error.message);
@@ -409,23 +409,41 @@ static size_t operations_by(const char *urdf, enum rneagen_base base, const char
 	return n;
 }
 
+static char *read_robot(const char *name)
+{
+	char path[512], *urdf;
+	size_t length;
+
+	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, name);
+	urdf = read_file(path, &length);
+	ck_assert_ptr_nonnull(urdf);
+	return urdf;
+}
+
 /* Factors where branches are short, articulated bodies where they are long. */
 START_TEST(cheaper)
 {
 	static const char *const robots[] = {"iiwa14", "hyq", "chain_75"};
-	char path[512];
-	size_t length, factor, articulated, taken;
-	char *urdf;
+	size_t factor, articulated, taken;
+	char *urdf = read_robot(robots[_i]);
 
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, robots[_i]);
-	urdf = read_file(path, &length);
-	ck_assert_ptr_nonnull(urdf);
-	factor = operations_by(urdf, RNEAGEN_FIXED, "factor");
-	articulated = operations_by(urdf, RNEAGEN_FIXED, "articulated");
-	taken = operations_by(urdf, RNEAGEN_FIXED, "auto");
+	factor = operations_by(urdf, RNEAGEN_FIXED, "qdd", "factor");
+	articulated = operations_by(urdf, RNEAGEN_FIXED, "qdd", "articulated");
+	taken = operations_by(urdf, RNEAGEN_FIXED, "qdd", "auto");
 	printf("%s: %zu operations by factors, %zu by articulated bodies\n", robots[_i], factor, articulated);
 	ck_assert_int_eq(articulated < factor, _i == 2);
 	ck_assert_uint_eq(taken, articulated < factor ? articulated : factor);
+	free(urdf);
+}
+END_TEST
+
+/* tau is there: its power takes a sum of products, and no torques anew. */
+START_TEST(power_of_inputs)
+{
+	char *urdf = read_robot("iiwa14");
+	size_t alone = operations_by(urdf, RNEAGEN_FIXED, "qdd", "auto"), both = operations_by(urdf, RNEAGEN_FIXED, "qdd,power", "auto");
+
+	ck_assert_uint_le(both, alone + 2 * 7);
 	free(urdf);
 }
 END_TEST
@@ -438,5 +456,6 @@ int main(void)
 	suite_add(suite, "trees", trees, 1, 300);
 	suite_add(suite, "a mass of nothing", freed_mass, 2, 60);
 	suite_add(suite, "the cheaper way", cheaper, 3, 60);
+	suite_add(suite, "power", power_of_inputs, 1, 60);
 	return suite_run(suite);
 }
