@@ -87,6 +87,8 @@
 #if defined __clang__ && __clang_major__ >= 12 && !defined __CUDACC__ /* which tells nothing of such flags */
 #pragma clang fp reassociate(off)
 #endif
+/* of a size below zero with -fsingle-precision-constant, by which this text would be wrong */
+typedef char rneagen_constants_are_double[sizeof 1.0 == sizeof(double) ? 1 : -1];
 #if defined __GNUC__
 #define RNEA_INLINE inline __attribute__((always_inline))
 #else

@@ -344,7 +344,7 @@ static void kernel_slots(const struct emission *e, const char *kernels, struct s
 static void header_slots(const struct emission *e, struct slots *s)
 {
 	const struct function *p = emit_main(e);
-	const struct slot more[] = {{"DIGEST", digest_text(e)}, {"IEEE", template_ieee_in},
+	const struct slot more[] = {{"DIGEST", digest_text(e)}, {"IEEE", emit_ieee(e)},
 		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"FUNCTION", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
 		{"OUTER", e->options->strict ? "RNEA_APART" : "RNEA_INLINE"}, {"JOINTS", emit_joints(e)}, {"ENUM", enum_text(e)},
 		{"DIMENSIONS", emit_dimensions(e)}, {"SAMPLE", emit_what(e)}, {"RNEA_CALL", emit_one_call(e, p)}, {"LANES_CALL", lanes_call(e)},

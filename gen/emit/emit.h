@@ -200,6 +200,9 @@ void emit_info_name(const char *s, struct text *out);
 /* The macros of the operations, as compilers of such texts take them. */
 const char *emit_arithmetic(const struct emission *e, const struct target_type *target);
 
+/* Flags of compilers that the text refuses, as it would be wrong by them. */
+const char *emit_ieee(const struct emission *e);
+
 /* What takes those of --strict back at the end of a header, and those of the residual's type. */
 const char *emit_undef_strict(const struct emission *e);
 const char *emit_undef_wide(const struct emission *e);

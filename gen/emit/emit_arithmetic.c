@@ -78,6 +78,22 @@ const char *emit_undef_wide(const struct emission *e)
 				    "#undef RNEA_WIDE_DIV\n#undef RNEA_WIDE_SQRT\n" : "#undef RNEA_WIDE_FMA\n";
 }
 
+/* Numbers of f32 have a suffix, and are floats whatever the flags. */
+static int has_doubles(const struct emission *e)
+{
+	return e->options->precision != RNEAGEN_F32 || e->options->bounded || e->wide;
+}
+
+const char *emit_ieee(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_put(&t, template_ieee_in);
+	text_put(&t, has_doubles(e) ? template_ieee_double_in : "");
+	return text_string(&t);
+}
+
 /* ---- sine and cosine ---- */
 
 /* Functions that the text carries, so that their domain and error are known and the same everywhere. */

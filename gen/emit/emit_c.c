@@ -18,7 +18,7 @@ static const char *joined(const struct emission *e, const char *a, const char *b
 
 const char *emit_head_c(const struct emission *e)
 {
-	const struct slot slots[] = {{"IEEE", template_ieee_in}, {"ARITHMETIC_C", emit_arithmetic(e, &TARGET_C)}};
+	const struct slot slots[] = {{"IEEE", emit_ieee(e)}, {"ARITHMETIC_C", emit_arithmetic(e, &TARGET_C)}};
 	struct text t;
 
 	text_init(&t, e->arena);

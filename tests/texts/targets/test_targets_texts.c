@@ -252,6 +252,38 @@ START_TEST(fast_math_is_refused)
 }
 END_TEST
 
+/* Numbers without a suffix would be floats. A text whose numbers all have one is the same. */
+START_TEST(short_constants_are_refused)
+{
+	static const enum rneagen_target targets[] = {RNEAGEN_TARGET_C, RNEAGEN_TARGET_HEADER};
+	static const enum rneagen_precision precisions[] = {RNEAGEN_F32, RNEAGEN_F32X2, RNEAGEN_F64, RNEAGEN_MIXED};
+	struct rneagen_options o = rneagen_options_default();
+	struct target_path source = target_path("short", ".c");
+	const char *const argv[] = {"gcc", "-std=c11", "-fsingle-precision-constant", "-fsyntax-only", source.s, NULL};
+	size_t length;
+	char *urdf = target_robot("pendulum", &length);
+
+	o.target = targets[_i];
+	for (int i = 0; i < 4; i++) {
+		struct process p;
+		struct target t;
+
+		o.precision = precisions[i];
+		target_generate(&t, urdf, length, &o, "pendulum");
+		target_write(source, t.text.source);
+		p = process_run(argv);
+		if (o.precision == RNEAGEN_F32)
+			ck_assert_msg(!p.status, "%s: %s", t.what, p.output);
+		else
+			ck_assert_msg(p.status && strstr(p.output, "constants_are_double"), "%s: %d: %s", t.what, p.status, p.output);
+		process_free(&p);
+		target_close(&t);
+	}
+	unlink(source.s);
+	free(urdf);
+}
+END_TEST
+
 /* clang tells a text nothing of these flags: by reordered sums tau of this robot was off by more than itself. */
 START_TEST(clang_reorders_nothing)
 {
@@ -375,6 +407,7 @@ int main(void)
 	suite_add(suite, "real", real_robots, 1, 1200);
 	suite_add(suite, "zero", zero_is_stored, 1, 1200);
 	suite_add(suite, "fast", fast_math_is_refused, 6, 1200);
+	suite_add(suite, "short constants", short_constants_are_refused, 2, 1200);
 	suite_add(suite, "reordered", clang_reorders_nothing, 1, 60);
 	suite_add(suite, "finite", finite_math_is_refused, 1, 1200);
 	suite_add(suite, "constants", constants_beyond_float, 1, 60);
