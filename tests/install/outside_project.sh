@@ -116,6 +116,9 @@ refused "it has a text named 'a' already: give this one another NAME" $'enable_l
 	add_library(two STATIC)
 	rneagen_add_kernel(two a.urdf)
 	rneagen_add_kernel(two a.urdf SCENE "want M")'
+refused "target 'interface' is an INTERFACE library" 'rneagen_add_kernel(interface a.urdf TARGET header)'
+refused "'--name=x' within OPTIONS: write NAME" 'rneagen_add_kernel(mine a.urdf TARGET header OPTIONS --name=x)'
+refused "'--dump' within OPTIONS is of the command line" 'rneagen_add_kernel(mine a.urdf TARGET header OPTIONS --dump dag)'
 refused "TARGET is cuda, c or header, not 'rust'" 'rneagen_add_kernel(mine a.urdf TARGET rust)'
 refused "TARGET cuda needs the language CUDA" 'rneagen_add_kernel(mine a.urdf TARGET cuda)'
 refused "TARGET c needs the language C" 'rneagen_add_kernel(mine a.urdf)'
