@@ -47,7 +47,7 @@
  * feel of it. What the functions take and write is in the URDF's frames.
  * fpass and bpass are computed by the URDF's constants.
  *
- * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
+ * SI units. Gravity (0, 0, -9.81) in the world's frame, that of the root link. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
  * Batches: every array is [row][sample].
  * Compiled as C, without CUDA, this text holds the functions of target c instead of kernels.
@@ -67,7 +67,7 @@
  *   t                with a number of its own: a value that has no name in the textbook
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
- *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
+ *   known sines all_small  are the sines and cosines of angles known; these; are all angles small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
  * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;

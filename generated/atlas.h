@@ -48,7 +48,7 @@
  * feel of it. What the functions take and write is in the URDF's frames.
  * fpass and bpass are computed by the URDF's constants.
  *
- * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
+ * SI units. Gravity (0, 0, -9.81) in the world's frame, that of the root link. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
  * Batches: every array is [row][sample].
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
@@ -70,7 +70,7 @@
  *   stride           from one row of an array to the next
  *   across wide_across step  values that one segment leaves for another; from one of them to the next
  *   first_... l      an array at the first of several samples in a row; which of them this is
- *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
+ *   known sines all_small  are the sines and cosines of angles known; these; are all angles small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   RNEA_LANES RNEA_SPLAT RNEA_LANES_FMA  these numbers side by side; one in all lanes; a*b + c in each
  *   rneagen_...      functions and types that this text brings along
@@ -79,7 +79,7 @@
  * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #ifndef atlas_RNEA_H
-#define atlas_RNEA_H 13024620
+#define atlas_RNEA_H 1538902474
 #include <math.h>
 #include <stddef.h>
 
@@ -146,6 +146,6 @@ RNEA_TABLE double atlas_tau_max[atlas_nv] = {
 		275.0, 5.3e+02, 8.4e+02, 8.9e+02, 7.4e+02, 3.6e+02, 275.0, 5.3e+02, 8.4e+02, 8.9e+02, 7.4e+02, 3.6e+02};
 #undef RNEA_TABLE
 
-#elif atlas_RNEA_H != 13024620
+#elif atlas_RNEA_H != 1538902474
 #error "two texts are named atlas: give one of them another name, by --name"
 #endif

@@ -31,7 +31,7 @@
  * feel of it. What the functions take and write is in the URDF's frames.
  * fpass and bpass are computed by the URDF's constants.
  *
- * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
+ * SI units. Gravity (0, 0, -9.81) in the world's frame. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
  * Floating: q = x y z qx qy qz qw (position and orientation in the parent); qd and qdd = twist in the
  * body's frame, linear then angular, and its componentwise derivative (spatial acceleration);
@@ -57,7 +57,7 @@
  *   stride           from one row of an array to the next
  *   across wide_across step  values that one segment leaves for another; from one of them to the next
  *   first_... l      an array at the first of several samples in a row; which of them this is
- *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
+ *   known sines all_small  are the sines and cosines of angles known; these; are all angles small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   RNEA_LANES RNEA_SPLAT RNEA_LANES_FMA  these numbers side by side; one in all lanes; a*b + c in each
  *   rneagen_...      functions and types that this text brings along

@@ -20,7 +20,7 @@
  * feel of it. What the functions take and write is in the URDF's frames.
  * fpass and bpass are computed by the URDF's constants.
  *
- * SI units. Gravity (0, 0, -9.81) in the frame of the root link's parent. Inputs are finite;
+ * SI units. Gravity (0, 0, -9.81) in the world's frame, that of the root link. Inputs are finite;
  * where one is not, every torque that depends on it is not finite either.
  * Batches: every array is [row][sample].
  * fpass writes v, a, f as [nb][6], linear then angular, in the URDF frames of the links; a is spatial.
@@ -39,7 +39,7 @@
  *   t                with a number of its own: a value that has no name in the textbook
  *   ..._2 ..._3      the same quantity again, as it grows or in another part of the text
  *   stride           from one row of an array to the next
- *   known sines all_small  the angles' sines and cosines are known; they; all angles are small
+ *   known sines all_small  are the sines and cosines of angles known; these; are all angles small
  *   RNEA_FMA         a*b + c, rounded once where the machine can
  *   rneagen_...      functions and types that this text brings along
  * In the formulas: _p of the parent; R, p orientation and origin of the link's frame in the parent's; R' transposed;
@@ -47,7 +47,7 @@
  * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
 #ifndef ur5_RNEA_H
-#define ur5_RNEA_H 1371741736
+#define ur5_RNEA_H 193657749
 #include <math.h>
 #include <stddef.h>
 
@@ -101,6 +101,6 @@ RNEA_TABLE double ur5_tau_max[ur5_nv] = {
 	1.5e+02, 1.5e+02, 1.5e+02, 28.0, 28.0, 28.0};
 #undef RNEA_TABLE
 
-#elif ur5_RNEA_H != 1371741736
+#elif ur5_RNEA_H != 193657749
 #error "two texts are named ur5: give one of them another name, by --name"
 #endif

@@ -257,7 +257,7 @@ static void put_functions(const struct emission *e, struct text *out)
 	put_parts(e, out);
 	put_segments(e, out);
 	if (emit_has_known(e))
-		put_entry("known sines all_small", "the angles' sines and cosines are known; they; all angles are small", out);
+		put_entry("known sines all_small", "are the sines and cosines of angles known; these; are all angles small", out);
 	put_bounds(e, out);
 	put_macros(e, out);
 	put_entry("rneagen_...", "functions and types that this text brings along", out);
