@@ -25,10 +25,11 @@ int eval_real(const struct dag *d, const real *const *in, real *const *out, cons
 /* For one sample, a bound of what any text that computes `d` in arithmetic `m` is off, whichever way its compiler joins
    products to sums: |tau_i - exact_i| <= bound[k][i], where argument k is the output. Exact is what the decimals of the URDF
    and of the scene give in exact arithmetic at these very inputs, after these replacements: an angle within 5e-15 rad of a
-   multiple of pi/2 is that; constants that are zero, or equal, but for the rounding of the file's numbers are so; and what the
-   scene changes (snap-angle, round-constants, drop-below) is as it leaves it. INFINITY where the text may overflow, or an input
-   is not finite or an angle beyond what the model knows. Evaluated in extended precision, or in double where there is none: the
-   bound then is up to five times larger in f64. Returns 0 when memory runs out. */
+   multiple of pi/2 is that; constants that are zero, or equal, but for the rounding of the file's numbers, or of extended
+   precision (1e-19 of their terms), are so; and what the scene changes (snap-angle, round-constants, drop-below) is as it leaves
+   it. INFINITY where the text may overflow, or an input is not finite or an angle beyond what the model knows. Evaluated in
+   extended precision, or in double where there is none: the bound then is up to five times larger in f64. Returns 0 when memory
+   runs out. */
 int eval_bound(const struct dag *d, const struct eval_model *m, const double *const *in, double *const *bound);
 
 /* The value of a node that is no input, from the values by node of its operands; of an operation, from those. */

@@ -16,7 +16,7 @@ static const char HELP[] =
 	"torques are off. With a scene, all inputs that it makes are drawn, errors are of the output array that is furthest\n"
 	"off in each sample, and 'model' is what constants that it changes (--snap-angle, --round-constants, --drop-below)\n"
 	"change in the outputs. 'bound' is of the distance from what the URDF's decimals give in exact arithmetic, angles\n"
-	"within 5e-15 rad of a right one and constants that are zero, or equal, but for rounding taken to be so.\n"
+	"within 5e-15 rad of a right one and constants that are zero, or equal, but for rounding in extended precision taken to be so.\n"
 	"\n"
 	"  --format table|json|csv    of what is printed (default: table)\n"
 	"  --plot FILE                draw speed against error, as SVG, by gnuplot\n"
