@@ -36,9 +36,16 @@ enum { START = 330, LATER = 270 };
    and 34.3. */
 enum { SHORT_OPERATIONS = 1500, MOST_SHORT = 16384, MOST_LONG = 4096, MOST_JOINED = 1024 };
 
-/* With sines made first in f64, 2048 samples, whole and limbs: tau of chain_75 43.1 and 27.7, of g1_brainco 21.1 and 18.3, of
-   floating g1_29dof 11.8 and 7.1, but of jvrc1 7.2 and 7.7; gradients in parts gain nothing there, nor do f32 texts. */
+/* With sines made first in f64, 2048 samples, whole and limbs: tau of chain_75 43.1 and 27.7, of g1_brainco 21.1 and 18.3, but of
+   jvrc1 7.2 and 7.7; gradients in parts gain nothing there, nor do f32 texts. */
 enum { MOST_FIRST_F64 = 2048 };
+
+/* Beside segments, unless limbs gain little: a block for each multiprocessor. H200, 2048, 4096 and 8192 samples, segments and limbs,
+   floating robots in f64: qdd of g1_29dof 32.4 28.7, 32.7 31.2, 38.0 62.7, of simple_humanoid 22.8 13.7, 22.6 14.5, 25.1 14.5; tau of
+   jvrc1 11.8 8.6, 11.6 9.3, 12.2 9.5, of g1_brainco 33.3 20.7, 32.8 22.4, 36.0 45.1, in f32 17.6 15.1, 16.7 16.0, 16.9 16.1;
+   tau and vjp of atlas 33.4 19.6, 49.6 21.7, 81.1 42.0. Of 15 texts, 2 gain little: one sample of qdd of baxter takes 12.8 and 14.2,
+   of yumi 17.9 and 16.7 (results/limbs_segments_h200.csv). */
+enum { MOST_BESIDE_SEGMENTS = 4096 };
 
 /* Limbs that share much, or something and gain little, win within one block alone; one sample and 1024, us, whole and limbs, with
    values across for 100 operations: both gradients of iiwa14 3.68 and 2.40, 4.08 and 3.63 (3.2); of ur5 2.52 and 2.14,
@@ -188,13 +195,17 @@ static int most_groups(struct function *const *functions, int count, int words, 
 	return groups;
 }
 
-static int shares_much(const struct limbs *s)
+static int gains_little(const struct limbs *s)
 {
-	return s->slots > 0 && ((unsigned)s->slots * 100 > s->whole * SHARED_PERCENT ||
-			100 * (s->longest + START + LATER) > GAIN_PERCENT * (s->whole + START));
+	return 100 * (s->longest + START + LATER) > GAIN_PERCENT * (s->whole + START);
 }
 
-/* Beside parts, and where the other kernel has segments, nothing is fitted. */
+static int shares_much(const struct limbs *s)
+{
+	return s->slots > 0 && ((unsigned)s->slots * 100 > s->whole * SHARED_PERCENT || gains_little(s));
+}
+
+/* Beside parts nothing is fitted. */
 static unsigned most_unfitted(const struct limbs *s, int count, unsigned bytes)
 {
 	if (count == 1 && shares_much(s))
@@ -228,8 +239,10 @@ static unsigned most_fitted(const struct function *p, const struct rneagen_optio
 static unsigned most_samples(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a)
 {
 	const struct function *p = functions[0];
-	int is_fitted = count == 1 && !p->segments.count && (p->limbs.words || o->layout == RNEAGEN_AOS);
+	int is_fitted = count == 1 && (p->limbs.words || o->layout == RNEAGEN_AOS);
 
+	if (count == 1 && p->segments.count)
+		return gains_little(&p->limbs) ? MOST_SHARING : MOST_BESIDE_SEGMENTS;
 	return is_fitted ? most_fitted(p, o, a) : most_unfitted(&p->limbs, count, number_bytes(o));
 }
 
