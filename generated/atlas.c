@@ -103,8 +103,8 @@ typedef char rneagen_constants_are_double[sizeof 1.0 == sizeof(double) ? 1 : -1]
 
 
 #ifndef RNEAGEN_SINCOS_KNOWN
-static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c); /*
-below */
+/* below */
+static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c);
 #endif
 
 /* samples do not depend on each other: the compiler may compute several at once */

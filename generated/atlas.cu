@@ -103,8 +103,8 @@
 #endif
 
 #ifndef RNEAGEN_SINCOSF_KNOWN
-static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const float *sines, float *s, float *c); /* below
-*/
+/* below */
+static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const float *sines, float *s, float *c);
 #endif
 
 #if !defined RNEA_ONLY_LIMBS

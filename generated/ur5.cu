@@ -76,8 +76,8 @@
 #endif
 
 #ifndef RNEAGEN_SINCOSF_KNOWN
-static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const float *sines, float *s, float *c); /* below
-*/
+/* below */
+static RNEA_INLINE int rneagen_sincosf_known(float x, const int known, const float *sines, float *s, float *c);
 #endif
 
 /* tau = ID(q, qd, qdd)
