@@ -94,9 +94,14 @@ static enum rneagen_code check_once(const struct reader *r, const struct scene_c
 {
 	enum scene_kind kind = SCENE_WORDS[c->key].kind;
 
-	for (int i = 0; i < r->s->line_count && (kind == SCENE_VALUE || kind == SCENE_NAME); i++)
-		if (r->s->lines[i].key == c->key)
-			return scene_refuse(r->s, c, r->e, "is also given %s; give it once", scene_place(&r->s->lines[i]).s);
+	for (int i = 0; i < r->s->line_count && (kind == SCENE_VALUE || kind == SCENE_NAME); i++) {
+		const struct scene_choice *other = &r->s->lines[i];
+
+		if (other->key == c->key && !c->told && !other->told)
+			return scene_refuse(r->s, c, r->e, "is given twice; give it once");
+		if (other->key == c->key)
+			return scene_refuse(r->s, c, r->e, "is also given %s; give it once", scene_place(other).s);
+	}
 	return RNEAGEN_OK;
 }
 

@@ -187,6 +187,7 @@ static const struct refused {
 	{"--lokc elbow=1", "here: scene line 1: 'lokc' is not known; did you mean 'lock'?"},
 	{"--lock \"elbo=1\"", "here: --lock: no joint 'elbo'; did you mean 'elbow'?"},
 	{"--root hand\n# a file\nroot hand", "here: scene line 2, root: is also given by an option; give it once"},
+	{"--root hand\n--root hand", "here: --root: is given twice; give it once"},
 	{"# a file\nroot hand\n--root hand", "here: --root: is also given in line 2; give it once"},
 	{"--lock elbow=1\n--lock elbow=2", "here: --lock: joint 'elbow' is also locked by an option; lock it once"},
 	{"--lock elbow=1\nlock-all-but elbow",
