@@ -234,7 +234,8 @@ static void put_conventions(const struct emission *e, struct text *out)
 	text_put(out, " *\n * SI units. ");
 	put_gravity(e, out);
 	text_put(out, e->options->base == RNEAGEN_FLOATING ? " in the world's frame" : " in the world's frame, that of the root link");
-	text_put(out, ". Inputs are finite;\n * where one is not, every torque that depends on it is not finite either.\n");
+	text_printf(out, ". Inputs are finite;\n * where one %sis not, every %s that depends on it is not finite either.\n",
+		e->request->is_forward ? "of q, qd and tau " : "", e->request->is_forward ? "acceleration" : "torque");
 	if (tree_has_type(e->tree, JOINT_FLOATING))
 		text_put(out, " * Floating: q = x y z qx qy qz qw (position and orientation in the parent); qd and qdd = twist in the\n"
 			      " * body's frame, linear then angular, and its componentwise derivative (spatial acceleration);\n"
