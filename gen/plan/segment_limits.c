@@ -225,10 +225,11 @@ int segments_single(struct function *p, const struct request *k, const struct rn
 
 /* Batches in f64, against those whose columns have lines of their own (Zen 5, gcc 12 at -O3): time; seconds to compile, from and
    to. g1_brainco, floating, 0.61; 68, 35; on the ground, 170000 operations, 0.52; 32, 29. Floating jvrc1, 122000, 0.65; 29, 16;
-   g1_29dof, 90000, 0.89; 33, 13; atlas, 87000, 0.90; 33, 13; simple_humanoid, 75000, 0.90; 30, 11. But jvrc1, 57000, 1.08; atlas,
-   24000, 1.40; floating hyq, 22000, 1.34. In aos columns are fetched and stored apart: floating atlas 1.3, jvrc1 0.95, g1_brainco
+   g1_29dof, 90000, 0.89; 33, 13; atlas, 87000, 0.90; 33, 13; simple_humanoid, 75000, 0.90; 30, 11. jvrc1, 57000, 0.95, for AVX2
+   0.88; 22, 16. But atlas, 24000, 1.40; floating hyq, 22000, 1.34. In f32 jvrc1 1.29, floating jvrc1 1.01; 35, 28; g1_29dof 1.16;
+   50, 16; simple_humanoid 0.99; 39, 14. In aos columns are fetched and stored apart: floating atlas 1.3, jvrc1 0.95, g1_brainco
    1.06; 96, 38. */
-enum { MANY_LEAST = 60000, MANY_LEAST_AOS = 100000 };
+enum { MANY_LEAST = 50000, MANY_LEAST_SINGLE = 60000, MANY_LEAST_AOS = 100000 };
 
 static int build_many(struct dag *d, const struct function *p, const struct request *k)
 {
@@ -248,7 +249,7 @@ static int is_even(const struct dag *d)
 
 int segments_many(struct function *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
 {
-	unsigned least = o->layout == RNEAGEN_SOA ? MANY_LEAST : MANY_LEAST_AOS;
+	unsigned least = o->layout == RNEAGEN_AOS ? MANY_LEAST_AOS : o->precision == RNEAGEN_F32 ? MANY_LEAST_SINGLE : MANY_LEAST;
 	struct function *s;
 
 	if (!p->single || (!dag_loops_go_back(&p->single->dag) && plan_flops(plan_operations(&p->plan)) < least))
