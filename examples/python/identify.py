@@ -59,7 +59,8 @@ def main(urdf):
     rng = np.random.default_rng(SEED)
     model, arm = rneagen.load(urdf), another_arm(rng, urdf)
     stated, true, regressor = model.inertial_parameters, arm.inertial_parameters, model.want("regressor")
-    names = [f"{symbol} of {joint['link']}" for joint in model.joints for symbol in SYMBOLS]
+    bodies = regressor.info["inertial_parameters"]["bodies"]  # those of followers too, which model.joints has not
+    names = [f"{symbol} of {body['link']}" for body in bodies for symbol in SYMBOLS]
     fitted, other = draw_motion(rng, model.nv), draw_motion(rng, model.nv)
     torques, unseen = (arm(*motion).ravel() + rng.normal(0, NOISE, SAMPLES * model.nv) for motion in (fitted, other))
 

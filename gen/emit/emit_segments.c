@@ -2,6 +2,7 @@
 #include "base/fold.h"
 #include "base/template.h"
 #include "emit/columns/emit_columns.h"
+#include "emit/columns/segment_zeros.h"
 #include "emit/columns/emit_way_back.h"
 #include "emit/emit_groups.h"
 #include "emit/unparse.h"
@@ -136,9 +137,13 @@ static void put_segment(const struct emission *e, const struct function *p, int 
 {
 	const struct segments *s = &p->segments;
 	struct touched touched = emit_touched(&s->plans[k]);
-	struct text begin;
+	struct segment_zeros zeros = segment_zeros_of(e, &s->plans[k]);
+	struct text begin, end;
 
 	text_init(&begin, e->arena);
+	text_init(&end, e->arena);
+	segment_zeros_put(e, p, &zeros, &end);
+	text_put(&end, emit_has_known(e) ? "\treturn all_small;\n" : "");
 	put_unused(e, p, &s->plans[k], &touched, &begin);
 	text_put(&begin, emit_has_known(e) ? "\tint all_small = 1;\n" : "");
 	const struct slot slots[] = {
@@ -146,15 +151,18 @@ static void put_segment(const struct emission *e, const struct function *p, int 
 		{"COUNT", emit_int(e, s->count)}, {"FIRST_PARAMS", emit_params(e, p, PARAMS_FIRST)},
 		{"ACROSS_PARAMS", emit_across(e, s, ACROSS_FIRST)}, {"KNOWN_PARAM", emit_known_params(e)},
 		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"BEGIN", text_string(&begin)},
-		{"END", emit_has_known(e) ? "\treturn all_small;\n" : ""},
+		{"END", text_string(&end)},
 	};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;
 	const char *rest = template_expand_to(out, template_segment_in, "BODY", slots, count);
 
 	text_clear(spare);
 	put_lane(e, p, &touched, spare);
+	segment_zeros_put_unused(p, &zeros, spare);
+	w->own.zeros = zeros.count ? ZEROS_LEFT : ZEROS_AMONG;
 	unparse_within(w, &s->plans[k]);
 	unparse_lines(w, &s->plans[k], spare);
+	w->own.zeros = ZEROS_AMONG;
 	text_put_indented(out, text_string(spare));
 	out->failed |= spare->failed;
 	fold(out, from);

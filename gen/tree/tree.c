@@ -125,7 +125,7 @@ static void body_add_base(struct builder *b)
 	struct body *k = &b->t->bodies[b->t->body_count++];
 
 	*k = (struct body){.link = b->t->root, .joint = "", .parent = -1, .type = JOINT_FLOATING, .axis = 2, .sign = 1,
-		.X = {.R = ROTATION_IDENTITY}, .frame = ROTATION_IDENTITY, .multiplier = {1, 1, 0}};
+		.X = {.R = ROTATION_IDENTITY}, .frame = ROTATION_IDENTITY, .multiplier = within_exact(1)};
 }
 
 /* What a joint that is held adds to its placement, in its URDF frame: frame (motion about or along its axis) frame^T. */

@@ -250,7 +250,7 @@ static double bound_of(const struct gridding *s, const struct peak *x, double fo
 	double best;
 
 	for (int k = 0; k < s->dim_count; k++)
-		is_first[k] = isfinite(factor_of(s, k, s->counts[k]));
+		is_first[k] = isfinite(factor_of(s, k, s->counts[k])) ? 1 : 0;
 	best = bound_by(s, x, found, is_first);
 	for (int k = 0; k < s->dim_count; k++) {
 		double now;

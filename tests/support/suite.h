@@ -4,16 +4,16 @@
 
 #include <check.h>
 
-/* Run a suite and free it; returns the program's exit status. */
+/* Run a suite and free it; returns the program's exit status. That no test ran, as with a wrong name in CK_RUN_CASE, is a failure. */
 static inline int suite_run(Suite *suite)
 {
 	SRunner *runner = srunner_create(suite);
 	int failed;
 
 	srunner_run_all(runner, CK_NORMAL);
-	failed = srunner_ntests_failed(runner);
+	failed = srunner_ntests_failed(runner) || srunner_ntests_run(runner) == 0;
 	srunner_free(runner);
-	return failed != 0;
+	return failed;
 }
 
 /* A case of one test in a loop, which may take so many seconds each time. */

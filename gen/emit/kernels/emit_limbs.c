@@ -223,7 +223,8 @@ static const char *first_text(const struct emission *e, const struct crew *c)
 
 		if (!p->limbs.first.count)
 			continue;
-		text_printf(&calls, c->count > 1 ? "\tif (blockIdx.y == %d)\n\t" : "", k);
+		if (c->count > 1)
+			text_printf(&calls, "\tif (blockIdx.y == %d)\n\t", k);
 		text_printf(&calls, "\t%s_%s_table(%s);\n", e->options->name, p->algorithm->name, emit_table_arguments(e));
 		tables++;
 	}

@@ -256,6 +256,42 @@ START_TEST(test_chosen)
 }
 END_TEST
 
+/* The most zeros that a function of a text stores among its lines. */
+static int most_zeros(const char *text)
+{
+	static const char zero[] = " = 0.0;\n";
+	int most = 0, count = 0;
+
+	for (const char *s = text; *s; s++) {
+		if (!strncmp(s, "\n}\n", 3))
+			count = 0;
+		count += !strncmp(s, zero, sizeof zero - 1);
+		most = count > most ? count : most;
+	}
+	return most;
+}
+
+/* Hundreds of zeros are stored in loops. gcc took 13 minutes and more for those of floating panda among lines. */
+START_TEST(test_zeros)
+{
+	struct rneagen_options o = rneagen_options_default();
+	size_t length;
+	char *urdf = target_robot("iiwa14", &length);
+	struct target t;
+
+	o.scene = "want tau,regressor\n";
+	o.target = RNEAGEN_TARGET_C;
+	o.precision = RNEAGEN_F64;
+	o.base = RNEAGEN_FLOATING;
+	o.layout = _i ? RNEAGEN_AOS : RNEAGEN_SOA;
+	target_generate(&t, urdf, length, &o, "iiwa14");
+	ck_assert_ptr_nonnull(strstr(t.text.source, "_zeros[r][0]"));
+	ck_assert_int_lt(most_zeros(t.text.source), 32);
+	rneagen_result_free(&t.text);
+	free(urdf);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *s = suite_create("segments");
@@ -264,5 +300,6 @@ int main(void)
 	suite_add(s, "values", test_values, 2 * SUBJECT_COUNT, 600);
 	suite_add(s, "looped", test_looped, sizeof LOOPED / sizeof *LOOPED, 120);
 	suite_add(s, "chosen", test_chosen, sizeof CHOICES / sizeof *CHOICES, 60);
+	suite_add(s, "zeros", test_zeros, 2, 60);
 	return suite_run(s);
 }
