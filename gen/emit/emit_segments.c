@@ -137,7 +137,7 @@ static void put_segment(const struct emission *e, const struct function *p, int 
 {
 	const struct segments *s = &p->segments;
 	struct touched touched = emit_touched(&s->plans[k]);
-	struct segment_zeros zeros = segment_zeros_of(e, &s->plans[k]);
+	struct segment_zeros zeros = segment_zeros_of(e, p, &s->plans[k]);
 	struct text begin, end;
 
 	text_init(&begin, e->arena);

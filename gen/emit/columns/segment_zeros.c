@@ -5,7 +5,7 @@
    panda. */
 enum { FEWEST = 32 };
 
-struct segment_zeros segment_zeros_of(const struct emission *e, const struct plan *lines)
+struct segment_zeros segment_zeros_of(const struct emission *e, const struct function *p, const struct plan *lines)
 {
 	struct segment_zeros z = {.dag = lines->dag,
 		.outputs = arena_alloc(e->arena, lines->line_count, sizeof *z.outputs)};
@@ -13,7 +13,7 @@ struct segment_zeros segment_zeros_of(const struct emission *e, const struct pla
 	for (const struct line *l = lines->lines; z.outputs && l < lines->lines + lines->line_count; l++)
 		if (emit_is_zero_store(lines, l))
 			z.outputs[z.count++] = lines->dag->outputs[l->index];
-	if (z.count < FEWEST)
+	if (z.count < FEWEST || p->dag.loop_count) /* loops over columns have other arrays, and zeros of their own */
 		z.count = 0;
 	return z;
 }

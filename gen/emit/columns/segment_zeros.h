@@ -10,7 +10,7 @@ struct segment_zeros {
 	size_t count;           /* 0: they stand among the lines */
 };
 
-struct segment_zeros segment_zeros_of(const struct emission *e, const struct plan *lines);
+struct segment_zeros segment_zeros_of(const struct emission *e, const struct function *p, const struct plan *lines);
 
 /* The loops over their rows and over lanes, after that of the lines. */
 void segment_zeros_put(const struct emission *e, const struct function *p, const struct segment_zeros *z, struct text *out);
