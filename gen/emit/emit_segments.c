@@ -165,8 +165,8 @@ static void put_segment(const struct emission *e, const struct function *p, int 
 	w->own.zeros = ZEROS_AMONG;
 	text_put_indented(out, text_string(spare));
 	out->failed |= spare->failed;
-	fold(out, from);
 	template_expand(out, rest, slots, count);
+	fold(out, from);
 }
 
 static void put_segments(const struct emission *e, const struct function *p, struct text *out)

@@ -149,7 +149,7 @@ static int has_beginning(const struct legend *l, const char *name)
 static int is_keyword(const char *name)
 {
 	static const char *const words[] = {"const", "float", "double", "int", "struct", "return", "void", "f", "static",
-		"unsigned", "short", "for", "i", "fabs", "HUGE_VAL"};
+		"unsigned", "short", "for", "i", "fabs", "HUGE_VAL", "l", "lanes"}; /* of a segment: its samples */
 
 	for (size_t i = 0; i < sizeof words / sizeof *words; i++)
 		if (!strcmp(name, words[i]))

@@ -1,8 +1,8 @@
 #include "emit/columns/segment_zeros.h"
 #include "emit/emit_groups.h"
 
-/* gcc 12 takes 1.4 s for 60 zeros among lines, 7 for 110, 21 for 160, and more than 13 minutes for 217: tau and regressor of floating
-   panda. */
+/* gcc 12 takes 1.4 s for 60 zeros among lines, 7 for 110, 21 for 160, and more than 13 minutes for 217: tau and regressor of
+   floating panda. */
 enum { FEWEST = 32 };
 
 struct segment_zeros segment_zeros_of(const struct emission *e, const struct function *p, const struct plan *lines)
@@ -28,13 +28,14 @@ void segment_zeros_put(const struct emission *e, const struct function *p, const
 
 		if (!n)
 			continue;
-		text_printf(out, "\tstatic const unsigned %s_zeros[%d][2] = {%s};\n", name, n, text_string(&runs));
-		text_printf(out, "\tfor (int r = 0; r < %d; r++)\n", n);
-		text_printf(out, "\t\tfor (size_t i = %s_zeros[r][0]; i < %s_zeros[r][0] + %s_zeros[r][1]; i++)\n", name, name, name);
-		text_printf(out, "\t\t\tfor (size_t l = 0; l < lanes; l++)\n\t\t\t\tfirst_%s[i*stride + l", name);
+		text_printf(out, "\tstatic const unsigned rneagen_zeros_%s[%d][2] = {%s};\n", name, n, text_string(&runs));
+		text_printf(out, "\tfor (int rneagen_run = 0; rneagen_run < %d; rneagen_run++) {\n", n);
+		text_printf(out, "\t\tconst unsigned *const rneagen_rows = rneagen_zeros_%s[rneagen_run];\n", name);
+		text_put(out, "\t\tfor (unsigned rneagen_row = *rneagen_rows; rneagen_row < *rneagen_rows + rneagen_rows[1]; rneagen_row++)\n");
+		text_printf(out, "\t\t\tfor (unsigned l = 0; l < lanes; l++)\n\t\t\t\tfirst_%s[rneagen_row*stride + l", name);
 		if (emit_groups_layout(e, p) == RNEAGEN_AOS)
 			text_printf(out, "*%d", p->dag.arguments[i].rows);
-		text_put(out, "] = 0;\n");
+		text_put(out, "] = 0;\n\t}\n");
 	}
 }
 

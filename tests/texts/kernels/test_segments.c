@@ -285,7 +285,7 @@ START_TEST(test_zeros)
 	o.base = RNEAGEN_FLOATING;
 	o.layout = _i ? RNEAGEN_AOS : RNEAGEN_SOA;
 	target_generate(&t, urdf, length, &o, "iiwa14");
-	ck_assert_ptr_nonnull(strstr(t.text.source, "_zeros[r][0]"));
+	ck_assert_ptr_nonnull(strstr(t.text.source, "rneagen_zeros_regressor[rneagen_run]"));
 	ck_assert_int_lt(most_zeros(t.text.source), 32);
 	rneagen_result_free(&t.text);
 	free(urdf);
