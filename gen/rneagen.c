@@ -204,7 +204,7 @@ static struct emission new_emission(struct generation *g, const char *told)
 static enum rneagen_code emit(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
-	int is_dumped = a->options.dump != RNEAGEN_DUMP_NONE, has_header = !is_dumped && target_type_of(a->options.target)->declarations != NULL;
+	int is_dumped = a->options.dump != RNEAGEN_DUMP_NONE, has_header = !is_dumped && target_type_of(a->options.target)->declarations;
 	struct text told, source, header;
 
 	text_init(&told, a->arena);

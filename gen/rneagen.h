@@ -68,8 +68,8 @@ struct rneagen_options {
 			 default RNEAGEN_SEGMENTS_AUTO: where that is faster, or compiles faster; RNEAGEN_SEGMENTS_WHOLE: none */
 	int limbs; /* warps of a kernel for small batches, which share out each sample; default RNEAGEN_LIMBS_AUTO: where that is
 		      faster; RNEAGEN_LIMBS_NONE: there is no such kernel */
-	double gravity[3];  /* m/s^2, in the world's frame, of a fixed robot that of the root link; default 0 0 -9.81. Bounds hold for any
-			       decimals that are read as these doubles; a whole number is meant as it is */
+	double gravity[3];  /* m/s^2, in the world's frame, of a fixed robot that of the root link; default 0 0 -9.81. Bounds hold for
+			       any decimals that are read as these doubles; a whole number is meant as it is */
 	const char *order;  /* names of all joints with entries in q, comma-separated; NULL: depth-first, by name */
 	const char *name;   /* a C identifier; NULL: the robot's name made one */
 	const char *file;   /* name of the input, for messages and the text's header; NULL: "<input>" */

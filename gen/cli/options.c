@@ -20,6 +20,12 @@ int option_refuse(const char *command, const char *fmt, ...)
 	return 2;
 }
 
+int option_refuse_meant(const char *command, const char *kind, const char *word, const char *dashes, const char *meant)
+{
+	fprintf(stderr, "%s: %s '%s' is not known; did you mean '%s%s'?\n", command, kind, word, dashes, meant);
+	return 2;
+}
+
 enum { LEAST_LETTERS = 3 }; /* of a name that is taken for another, misspelt */
 
 /* Of an option that getopt_long did not take: another one's name, a name with a value that it does not take, or neither. */
@@ -37,8 +43,7 @@ static int refuse_unknown(const char *command, const char *word, const struct op
 		return option_refuse(command, "option '%s' is not known", word);
 	if (!strcmp(meant, name))
 		return option_refuse(command, "option '--%s' takes no value", name);
-	fprintf(stderr, "%s: option '%s' is not known; did you mean '--%s'?\n", command, word, meant);
-	return 2;
+	return option_refuse_meant(command, "option", word, "--", meant);
 }
 
 int option_refuse_key(const char *command, int key, const char *word, const struct option *options)

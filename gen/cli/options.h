@@ -137,6 +137,9 @@ void option_free(struct rneagen_options *o);
 /* Is the command line at fault, and not the robot or a file? The exit status is 2 then, else 1. */
 int option_at_fault(enum rneagen_code code);
 
+/* "COMMAND: KIND 'WORD' is not known; did you mean 'DASHES MEANT'?", of an option or a command; returns 2. */
+int option_refuse_meant(const char *command, const char *kind, const char *word, const char *dashes, const char *meant);
+
 /* The message for what getopt_long returned as ':' or '?' in an optstring that begins with ':', and of `options`; returns 2. */
 int option_refuse_key(const char *command, int key, const char *word, const struct option *options);
 

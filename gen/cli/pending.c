@@ -9,9 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum {
-	PENDING_LIMIT = 68 /* more than a kernel has arrays */
-};
+enum { PENDING_LIMIT = 68 }; /* more than a kernel has arrays */
 
 /* Names for the handler, which can take no argument; changed only while the signals are blocked. */
 static char *volatile names[PENDING_LIMIT];

@@ -5,7 +5,8 @@
 /* The number of the open file that a name of /dev or /proc stands for; -1: it is another name. */
 int pending_number(const char *path);
 
-/* A name for mkstemp, in the folder of `path`, that begins as its own does; or PATH.part. malloc'ed; NULL when memory runs out. */
+/* A name for mkstemp, in the folder of `path`, that begins as its own does; or PATH.part. malloc'ed; NULL when memory runs
+   out. */
 char *pending_temporary_name(const char *path);
 char *pending_part_name(const char *path);
 

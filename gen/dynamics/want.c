@@ -175,7 +175,8 @@ static void run_main(struct build *b, struct joint_inputs in)
 	r.left = want_left;
 	r.own_terms = own_terms;
 	r.tau_out = output_of(b, WANT_TAU);
-	r.comes_back = (request_wants(b->k, WANT_POWER) && !has_torques_given(b)) || request_wants(b->k, WANT_WRENCH) || request_wants_derivative(b->k);
+	r.comes_back = (request_wants(b->k, WANT_POWER) && !has_torques_given(b)) || request_wants(b->k, WANT_WRENCH) ||
+		request_wants_derivative(b->k);
 	begin_recursion(b, &r);
 	if (request_wants(b->k, WANT_REGRESSOR))
 		regressor_begin(&b->regressor, &r, output_of(b, WANT_REGRESSOR));

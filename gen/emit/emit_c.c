@@ -144,10 +144,10 @@ static void put_slice_prototypes(const struct emission *e, struct text *out)
 	"   Exact is what the command above makes of the URDF's decimals, and of its own, in exact arithmetic at these very\n"     \
 	"   inputs, where an angle within 5e-15 rad of a multiple of pi/2 is that, and constants that are zero, or equal, but for\n" \
 	"   the rounding of the file's numbers, or of extended precision (1e-19 of their terms), are so. Rounding of the file's\n" \
-	"   numbers, of constants and operations, sine and cosine, underflow, and the bound's own rounding are in it (Higham, Accuracy and Stability of Numerical\n"      \
-	"   Algorithms, 2nd ed., SIAM 2002, section 3.3; Linnainmaa, BIT 16, 1976). Infinite where a value may overflow or an angle\n" \
-	"   is beyond the domain of the trigonometry; NaN where the torque depends on an input that is not finite. bound must\n"   \
-	"   not overlap the others."
+	"   numbers, of constants and operations, sine and cosine, underflow, and the bound's own rounding are in it (Higham,\n" \
+	"   Accuracy and Stability of Numerical Algorithms, 2nd ed., SIAM 2002, section 3.3; Linnainmaa, BIT 16, 1976). Infinite\n" \
+	"   where a value may overflow or an angle is beyond the domain of the trigonometry; NaN where the torque depends on an\n" \
+	"   input that is not finite. bound must not overlap the others."
 
 static void put_bounded_prototype(const struct emission *e, struct text *out)
 {

@@ -30,10 +30,9 @@ const struct assumption ASSUMPTIONS[ASSUMPTION_COUNT] = {
 		"nearest to the file's decimals",
 		NULL},
 	{NULL,
-		"rotations between joints are exact rotations: where the generator takes one of their elements for zero, or for equal "
-		"to another, "
-		"within the rounding of the file's decimals or of extended precision, outputs change by some 1e-15 of their terms, and ranges are 2^-30 of "
-		"themselves wider",
+		"rotations between joints are exact rotations: where the generator takes one of their elements for zero, "
+		"or for equal to another, within the rounding of the file's decimals or of extended precision, outputs "
+		"change by some 1e-15 of their terms, and ranges are 2^-30 of themselves wider",
 		NULL},
 	{NULL, "all inputs are within their ranges, in any combination; a continuous joint has any angle that --trig takes",
 		NULL},

@@ -65,8 +65,8 @@ int command_parse(
    its number. */
 void command_share(struct command *c);
 
-/* Do the files that are noted all have places of their own, are they such as ranks can read, and can they be written? -1 to go on, or the
-   exit status and a message. */
+/* Do the files that are noted all have places of their own, are they such as ranks can read, and can they be written? -1 to go
+   on, or the exit status and a message. */
 int command_check_files(const struct command *c);
 
 /* Note a file: -1, or the exit status and a message. */

@@ -11,7 +11,6 @@
 #include "eval/run_eval.h"
 #include "study/run_report.h"
 #include <signal.h>
-#include <stdio.h>
 #include <string.h>
 
 static const char HELP[] =
@@ -57,10 +56,8 @@ static int run(struct ranks *ranks, int argc, char **argv)
 	if (argc < 2)
 		return option_refuse("rnearun", "no command named");
 	meant = nearest_name(word, SUBCOMMANDS, SUBCOMMAND_COUNT, sizeof *SUBCOMMANDS);
-	if (*word != '-' && meant) {
-		fprintf(stderr, "rnearun: command '%s' is not known; did you mean '%s'?\n", word, meant);
-		return 2;
-	}
+	if (*word != '-' && meant)
+		return option_refuse_meant("rnearun", "command", word, "", meant);
 	return option_refuse("rnearun", *word == '-' ? "option '%s' is not known" : "command '%s' is not known", word);
 }
 

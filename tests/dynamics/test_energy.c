@@ -155,17 +155,12 @@ START_TEST(energy)
 	struct rneagen_options o = rneagen_options_default();
 	struct rollout *r = calloc(1, sizeof *r);
 	int is_articulated = _i % 2 && strcmp(s->name, "mimic_chain") != 0;
-	char path[512], scene[128], what[128];
-	size_t length;
-	char *urdf;
+	char scene[128], what[128], *urdf = robot_text(s->name);
 
 	ck_assert(r != NULL);
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, s->name);
 	snprintf(scene, sizeof scene, "want qdd,kinetic,potential\nfold tau=0\ndynamics %s\n",
 		is_articulated ? "articulated" : "factor");
 	snprintf(what, sizeof what, "%s, %s", s->name, is_articulated ? "articulated" : "factor");
-	urdf = read_file(path, &length);
-	ck_assert_ptr_nonnull(urdf);
 	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	o.scene = scene;
 	ck_assert_msg(!scene_open(&r->m, urdf, &o), "%s: %s", what, r->m.error.message);

@@ -409,23 +409,12 @@ static size_t operations_by(const char *urdf, enum rneagen_base base, const char
 	return n;
 }
 
-static char *read_robot(const char *name)
-{
-	char path[512], *urdf;
-	size_t length;
-
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, name);
-	urdf = read_file(path, &length);
-	ck_assert_ptr_nonnull(urdf);
-	return urdf;
-}
-
 /* Factors where branches are short, articulated bodies where they are long. */
 START_TEST(cheaper)
 {
 	static const char *const robots[] = {"iiwa14", "hyq", "chain_75"};
 	size_t factor, articulated, taken;
-	char *urdf = read_robot(robots[_i]);
+	char *urdf = robot_text(robots[_i]);
 
 	factor = operations_by(urdf, RNEAGEN_FIXED, "qdd", "factor");
 	articulated = operations_by(urdf, RNEAGEN_FIXED, "qdd", "articulated");
@@ -440,7 +429,7 @@ END_TEST
 /* tau is there: its power takes a sum of products, and no torques anew. */
 START_TEST(power_of_inputs)
 {
-	char *urdf = read_robot("iiwa14");
+	char *urdf = robot_text("iiwa14");
 	size_t alone = operations_by(urdf, RNEAGEN_FIXED, "qdd", "auto"), both = operations_by(urdf, RNEAGEN_FIXED, "qdd,power", "auto");
 
 	ck_assert_uint_le(both, alone + 2 * 7);

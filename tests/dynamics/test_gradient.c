@@ -239,13 +239,8 @@ static const char *const robots[] = {"iiwa14", "panda", "hyq", "planar_joint", "
 START_TEST(test_robots)
 {
 	struct rneagen_options o = rneagen_options_default();
-	char path[256];
-	size_t length;
-	char *urdf;
+	char *urdf = robot_text(robots[_i]);
 
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, robots[_i]);
-	urdf = read_file(path, &length);
-	ck_assert(urdf != NULL);
 	for (int floating = 0; floating < 2; floating++) {
 		o.base = floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 		check(urdf, &o, 40 + (uint64_t)_i, robots[_i]);
@@ -345,13 +340,8 @@ static void check_terms(const char *urdf, const char *terms, const char *how, st
 START_TEST(test_terms)
 {
 	struct rng rng = rng_seed(900 + (uint64_t)_i);
-	char path[256];
-	size_t length;
-	char *urdf;
+	char *urdf = robot_text(TERMS[_i].robot);
 
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, TERMS[_i].robot);
-	urdf = read_file(path, &length);
-	ck_assert(urdf != NULL);
 	for (int k = 0; k < 4; k++)
 		check_terms(urdf, TERMS[_i].scene, k % 2 ? "forward" : "recursion", &rng);
 	free(urdf);

@@ -323,14 +323,9 @@ START_TEST(robots)
 	struct subject *s = calloc(1, sizeof *s);
 	struct rneagen_options o = rneagen_options_default();
 	real least = 1;
-	char path[512];
-	size_t length;
-	char *urdf;
+	char *urdf = robot_text(f->name);
 
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, f->name);
 	snprintf(s->what, sizeof s->what, "%s, seed %d", f->name, 600 + _i);
-	urdf = read_file(path, &length);
-	ck_assert_ptr_nonnull(urdf);
 	o.base = f->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	s->held = -1;
 	s->reference = scene_reference(urdf, &o);

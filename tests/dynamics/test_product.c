@@ -251,13 +251,8 @@ enum { ROBOT_COUNT = sizeof ROBOTS / sizeof *ROBOTS };
 START_TEST(robots)
 {
 	const char *name = ROBOTS[_i];
-	char path[256];
-	size_t length;
-	char *urdf;
+	char *urdf = robot_text(name);
 
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, name);
-	urdf = read_file(path, &length);
-	ck_assert(urdf != NULL);
 	/* the root of some has no mass: afloat neither qdd nor opspace_inv can be had */
 	for (int k = 0; k < 4; k++)
 		ck_assert_msg(check_drawn(urdf, k % 2 ? RNEAGEN_FLOATING : RNEAGEN_FIXED, 9000 + (uint64_t)(4 * _i + k), k / 2,

@@ -16,17 +16,6 @@ enum { SAMPLES = 30, GAIN = 20 };
 
 static const struct draw_options DRAWN = {.seed = 1, .count = SAMPLES, .each = 1};
 
-static char *robot(const char *name)
-{
-	char path[512], *urdf;
-	size_t length;
-
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, name);
-	urdf = read_file(path, &length);
-	ck_assert_ptr_nonnull(urdf);
-	return urdf;
-}
-
 static struct scene_model open_scene(const char *urdf, const char *scene, int is_floating)
 {
 	struct rneagen_options o = rneagen_options_default();
@@ -132,7 +121,7 @@ static void draw_motion(struct values *v, const struct scene_model *fd, const st
 
 START_TEST(robots)
 {
-	char *urdf = robot(ROBOTS[_i].name);
+	char *urdf = robot_text(ROBOTS[_i].name);
 	struct scene_model id = open_scene(urdf, NULL, ROBOTS[_i].is_floating),
 		plain = open_scene(urdf, "want qdd", ROBOTS[_i].is_floating);
 	struct scene_model refined = open_scene(urdf, "want qdd\nrefine 1:f64", ROBOTS[_i].is_floating);
@@ -199,7 +188,7 @@ static void check_types(const struct dag *d, const char *what)
 
 START_TEST(scenes)
 {
-	char *urdf = robot(SCENES[_i].robot), scene[512];
+	char *urdf = robot_text(SCENES[_i].robot), scene[512];
 	struct scene_model plain = open_scene(urdf, SCENES[_i].scene, 0), refined;
 	double worst = 0, worst_refined = 0;
 	struct values v;
@@ -230,7 +219,7 @@ END_TEST
 /* What is wanted beside qdd is taken at the qdd that is refined: power = tau.qd of the torques of that qdd. */
 START_TEST(others)
 {
-	char *urdf = robot("iiwa14");
+	char *urdf = robot_text("iiwa14");
 	struct scene_model m = open_scene(urdf, "want qdd,accel.iiwa_link_1\nrefine 1", 0);
 	int qdd = dag_find_argument(&m.dag, "qdd"), accel = dag_find_argument(&m.dag, "accel_iiwa_link_1");
 	struct values v;
@@ -253,7 +242,7 @@ END_TEST
 /* The bound of the evaluator holds, and sees that refinement pays: at most a tenth of that without. */
 START_TEST(bounds)
 {
-	char *urdf = robot("iiwa14");
+	char *urdf = robot_text("iiwa14");
 	struct scene_model plain = open_scene(urdf, "want qdd", 0), refined = open_scene(urdf, "want qdd\nrefine 1", 0);
 	const struct dag *dags[] = {&plain.dag, &refined.dag};
 	int qdd = dag_find_argument(&plain.dag, "qdd");
@@ -302,7 +291,7 @@ enum { REFUSED_COUNT = sizeof REFUSED / sizeof *REFUSED };
 
 START_TEST(refused)
 {
-	char *urdf = robot("double_pendulum");
+	char *urdf = robot_text("double_pendulum");
 	struct rneagen_options o = rneagen_options_default();
 	struct scene_model m;
 
@@ -319,7 +308,7 @@ END_TEST
 START_TEST(same)
 {
 	static const enum rneagen_precision precisions[] = {RNEAGEN_F64, RNEAGEN_MIXED, RNEAGEN_F32X2, RNEAGEN_F64};
-	char *urdf = robot("double_pendulum");
+	char *urdf = robot_text("double_pendulum");
 	struct rneagen_options o = rneagen_options_default();
 	struct scene_model m;
 

@@ -40,15 +40,6 @@ static const struct chosen {
 	{"gantry", "range q=-1,1", RNEAGEN_TRIG_AUTO, RNEAGEN_ACCURATE}, /* nothing turns */
 };
 
-static char *robot_text(const char *name)
-{
-	char path[512];
-	size_t length;
-
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, name);
-	return read_file(path, &length);
-}
-
 START_TEST(chosen)
 {
 	const struct chosen *c = &CHOSEN[_i];

@@ -15,15 +15,6 @@
 
 enum { TREES = 80, LINKS = 10, STATES = 40, SEED = 20261121 };
 
-static char *robot_text(const char *name)
-{
-	char path[512];
-	size_t length;
-
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, name);
-	return read_file(path, &length);
-}
-
 /* ---- against the reference ---- */
 
 /* What is freed and pushed has any value, mostly far from the URDF's; of 1e-18 of an output nothing can be seen. */

@@ -43,11 +43,8 @@ enum { HELD_COUNT = sizeof HELDS / sizeof *HELDS };
 static void open_scene(struct scene_model *m, const struct held *h, const char *fraction)
 {
 	struct rneagen_options o = rneagen_options_default();
-	char path[512], scene[1024], *text;
-	size_t length;
+	char scene[1024], *text = robot_text(h->robot);
 
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, h->robot);
-	text = read_file(path, &length);
 	snprintf(scene, sizeof scene, "%s%s%s", h->scene, fraction ? "\ndrop-below " : "", fraction ? fraction : "");
 	o.scene = scene;
 	o.base = h->base;
@@ -258,11 +255,8 @@ START_TEST(refused)
 {
 	struct rneagen_options o = rneagen_options_default();
 	struct scene_model m;
-	char path[512], scene[512], *text;
-	size_t length;
+	char scene[512], *text = robot_text(REFUSED[_i].robot);
 
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, REFUSED[_i].robot);
-	text = read_file(path, &length);
 	snprintf(scene, sizeof scene, "%s\ndrop-below 1e-3", REFUSED[_i].scene);
 	o.scene = scene;
 	ck_assert_int_eq(scene_open(&m, text, &o), RNEAGEN_SCENE);

@@ -181,6 +181,17 @@ char *read_file(const char *path, size_t *length)
 	return s;
 }
 
+char *robot_text(const char *name)
+{
+	char path[512], *urdf;
+	size_t length;
+
+	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, name);
+	urdf = read_file(path, &length);
+	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
+	return urdf;
+}
+
 static int is_urdf(const struct dirent *entry)
 {
 	const char *dot = strrchr(entry->d_name, '.');

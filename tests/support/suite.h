@@ -4,7 +4,8 @@
 
 #include <check.h>
 
-/* Run a suite and free it; returns the program's exit status. That no test ran, as with a wrong name in CK_RUN_CASE, is a failure. */
+/* Run a suite and free it; returns the program's exit status. That no test ran, as with a wrong name in CK_RUN_CASE, is a
+   failure. */
 static inline int suite_run(Suite *suite)
 {
 	SRunner *runner = srunner_create(suite);

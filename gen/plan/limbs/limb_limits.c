@@ -40,11 +40,11 @@ enum { SHORT_OPERATIONS = 1500, MOST_SHORT = 16384, MOST_LONG = 4096, MOST_JOINE
    jvrc1 7.2 and 7.7; gradients in parts gain nothing there, nor do f32 texts. */
 enum { MOST_FIRST_F64 = 2048 };
 
-/* Beside segments, unless limbs gain little: a block for each multiprocessor. H200, 2048, 4096 and 8192 samples, segments and limbs,
-   floating robots in f64: qdd of g1_29dof 32.4 28.7, 32.7 31.2, 38.0 62.7, of simple_humanoid 22.8 13.7, 22.6 14.5, 25.1 14.5; tau of
-   jvrc1 11.8 8.6, 11.6 9.3, 12.2 9.5, of g1_brainco 33.3 20.7, 32.8 22.4, 36.0 45.1, in f32 17.6 15.1, 16.7 16.0, 16.9 16.1;
-   tau and vjp of atlas 33.4 19.6, 49.6 21.7, 81.1 42.0. Of 15 texts, 2 gain little: one sample of qdd of baxter takes 12.8 and 14.2,
-   of yumi 17.9 and 16.7 (results/limbs_segments_h200.csv). */
+/* Beside segments, unless limbs gain little: a block for each multiprocessor. H200, 2048, 4096 and 8192 samples, segments and
+   limbs, floating robots in f64: qdd of g1_29dof 32.4 28.7, 32.7 31.2, 38.0 62.7, of simple_humanoid 22.8 13.7, 22.6 14.5, 25.1
+   14.5; tau of jvrc1 11.8 8.6, 11.6 9.3, 12.2 9.5, of g1_brainco 33.3 20.7, 32.8 22.4, 36.0 45.1, in f32 17.6 15.1, 16.7 16.0,
+   16.9 16.1; tau and vjp of atlas 33.4 19.6, 49.6 21.7, 81.1 42.0. Of 15 texts, 2 gain little: one sample of qdd of baxter takes
+   12.8 and 14.2, of yumi 17.9 and 16.7 (results/limbs_segments_h200.csv). */
 enum { MOST_BESIDE_SEGMENTS = 4096 };
 
 /* Limbs that share much, or something and gain little, win within one block alone; one sample and 1024, us, whole and limbs, with
@@ -61,7 +61,8 @@ enum { MOST_SHARING = 32, SHARED_PERCENT = 4, GAIN_PERCENT = 65 };
    launched takes 1.01 to 1.03 of the time of the better kernel, in the mean of all batches; by the rule for what is not fitted
    1.07 to 1.15. In aos elements of a row stand a sample apart, so rows that are stored count. */
 static const unsigned FITTED_BATCHES[] = {32, 256, 512, 1024, 2048, 4096, 8192, 16384};
-enum { BATCHES = sizeof FITTED_BATCHES / sizeof *FITTED_BATCHES, LEAST_SAMPLES = 8, WHOLE_START = 1300, LIMBS_START = 600, WORTH = -30 };
+enum { BATCHES = sizeof FITTED_BATCHES / sizeof *FITTED_BATCHES, LEAST_SAMPLES = 8, WHOLE_START = 1300, LIMBS_START = 600,
+	WORTH = -30 };
 static const struct fitted {
 	int room, at[BATCHES], longest, sum, slots, over, stores;
 } FITTED[2][2] = {
