@@ -1,15 +1,20 @@
 # cmake -DOUTPUT=templates -DINPUTS=a/x.in;b/y.in -P embed.cmake: templates.c has each file as a NUL-terminated array template_<name>, without
-# its folder, and templates.h declares them
-set(text "/* made by embed.cmake from templates/ */\n#include \"templates.h\"\n")
+# its folder, and templates.h declares them; template_files[] lists them with their folder
+set(text "/* made by embed.cmake from templates/ */\n#include \"base/template.h\"\n")
 set(header "#ifndef RNEAGEN_TEMPLATES_H\n#define RNEAGEN_TEMPLATES_H\n/* made by embed.cmake from templates/ */\n")
+set(list "const struct template_file template_files[] = {\n")
 foreach(input IN LISTS INPUTS)
 	get_filename_component(name ${input} NAME)
+	get_filename_component(folder ${input} DIRECTORY)
+	get_filename_component(folder ${folder} NAME)
+	set(file ${folder}/${name})
 	string(REGEX REPLACE "[^A-Za-z0-9]" "_" name ${name})
 	file(READ ${input} hex HEX)
 	string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${hex}")
 	string(REGEX REPLACE "(0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,0x..,)" "\\1\n" bytes "${bytes}")
 	string(APPEND text "const char template_${name}[] = {\n${bytes}0};\n")
+	string(APPEND list "	{\"${file}\", template_${name}, sizeof template_${name}},\n")
 	string(APPEND header "extern const char template_${name}[];\n")
 endforeach()
-file(WRITE ${OUTPUT}.c "${text}")
+file(WRITE ${OUTPUT}.c "${text}${list}	{0}\n};\n")
 file(WRITE ${OUTPUT}.h "${header}#endif\n")

@@ -1,6 +1,7 @@
 /* From the text of a URDF to the text of a program: every pass, in order, is a line of PASSES. */
 #define _POSIX_C_SOURCE 200809L
 #include "rneagen.h"
+#include "base/template.h"
 #include "choices.h"
 #include "emit/emit.h"
 #include "plan/limbs/limb_limits.h"
@@ -222,7 +223,7 @@ static enum rneagen_code emit(struct generation *g)
 	if (has_header)
 		emit_declarations(&g->emission, &header);
 	if (told.failed || source.failed || header.failed || a->arena->failed)
-		return error_memory(a->error);
+		return template_error(a->error, a->arena);
 	g->result->source = is_dumped ? NULL : text_string(&source);
 	g->result->header = has_header ? text_string(&header) : NULL;
 	return a->error->code;

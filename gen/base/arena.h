@@ -22,6 +22,7 @@ struct arena {
 	struct arena_block *blocks; /* newest first */
 	size_t used;                /* bytes taken from the newest block */
 	int failed;                 /* sticky: some request could not be met */
+	const char *reason;         /* why it failed, where that was not memory */
 };
 
 /* An empty arena. `allocator` may be NULL: malloc and free. */

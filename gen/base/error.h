@@ -29,7 +29,8 @@ extern "C" {
 	X(UNSUPPORTED, "the model uses something that is not supported")                                               \
 	X(NO_JOINTS, "no movable joints")                                                                              \
 	X(NAME, "a name does not fit")                                                                                 \
-	X(SCENE, "the scene is not understood, or does not fit the robot")
+	X(SCENE, "the scene is not understood, or does not fit the robot")                                             \
+	X(TEMPLATE, "a template of the generator does not fit what fills it")
 
 enum rneagen_code {
 #define RNEAGEN_ERROR_ENUM(code, text) RNEAGEN_##code,

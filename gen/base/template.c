@@ -1,4 +1,5 @@
 #include "base/template.h"
+#include <stdint.h>
 #include <string.h>
 
 static const char *slot_value(const struct slot *slots, size_t count, const char *name, size_t length)
@@ -18,6 +19,29 @@ static size_t slot_length(const char *s)
 		return 0;
 	n = strspn(s + 1, "ABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789");
 	return n && s[n + 1] == '@' ? n + 2 : 0;
+}
+
+/* The file that a template, or the rest of one, is from. */
+static const char *file_of(const char *tmpl)
+{
+	for (const struct template_file *f = template_files; f->name; f++)
+		if ((uintptr_t)tmpl - (uintptr_t)f->text < f->size)
+			return f->name;
+	return "of no file";
+}
+
+/* Whoever takes the string of an inner text sees it too. Without memory slots may have no values. */
+static void fail(struct text *out, const char *tmpl, const char *slot, size_t length, const char *what)
+{
+	struct arena *a = out->arena;
+	struct text reason;
+
+	if (!a->failed) {
+		text_init(&reason, a);
+		text_printf(&reason, "%s @%.*s@ in template %s", what, (int)length, slot, file_of(tmpl));
+		a->reason = reason.s;
+	}
+	out->failed = a->failed = 1;
 }
 
 /* Up to the slot of this name, or, where it is NULL, all. */
@@ -44,7 +68,7 @@ static const char *expand(struct text *out, const char *tmpl, const char *end, c
 		s += length;
 	}
 	if (*s || end)
-		out->failed = out->arena->failed = 1; /* whoever takes the string of an inner text sees it too */
+		fail(out, tmpl, *s ? s + 1 : end, *s ? slot_length(s) - 2 : strlen(end), *s ? "nothing fills slot" : "there is no slot");
 	return "";
 }
 
@@ -56,4 +80,9 @@ void template_expand(struct text *out, const char *tmpl, const struct slot *slot
 const char *template_expand_to(struct text *out, const char *tmpl, const char *end, const struct slot *slots, size_t count)
 {
 	return expand(out, tmpl, end, slots, count);
+}
+
+enum rneagen_code template_error(struct rneagen_error *e, const struct arena *a)
+{
+	return a->reason ? error_set(e, RNEAGEN_TEMPLATE, "%s", a->reason) : error_memory(e);
 }

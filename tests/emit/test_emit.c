@@ -1,4 +1,5 @@
 /* Pieces of the text: numbers, templates, identifiers, the names of values. */
+#define _DEFAULT_SOURCE
 #include "emit/emit.h"
 #include "base/identifier.h"
 #include "support/exhaustive.h"
@@ -6,12 +7,15 @@
 #include "support/random_robot.h"
 #include "support/rng.h"
 #include "support/suite.h"
+#include "support/urdf_text.h"
 #include "base/template.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 enum { RANDOM_NUMBERS = 30000 };
 #define RANDOM_ROBOTS (exhaustive() ? 60u : 20u)
@@ -20,7 +24,7 @@ static struct arena arena;
 static struct rneagen_error error;
 static struct rneagen_options options;
 
-static void open(void)
+static void set_up(void)
 {
 	arena_init(&arena, NULL);
 	error = (struct rneagen_error){0};
@@ -28,7 +32,7 @@ static void open(void)
 	options.file = "here";
 }
 
-static void close(void)
+static void tear_down(void)
 {
 	arena_free(&arena);
 }
@@ -260,6 +264,61 @@ START_TEST(templates_in_two)
 }
 END_TEST
 
+static void check_template_error(enum rneagen_code code, const char *message)
+{
+	struct rneagen_error e = {0};
+
+	ck_assert_int_eq(template_error(&e, &arena), code);
+	ck_assert_str_eq(e.message, message);
+	arena_free(&arena);
+	arena_init(&arena, NULL);
+}
+
+/* The first slot that fails is told, with the file; a lack of memory before it stays one. */
+START_TEST(templates_at_fault)
+{
+	const struct slot each = {"EACH", "a, b"};
+	const char *rest;
+	struct text t;
+
+	text_init(&t, &arena);
+	template_expand(&t, template_call_any_in, NULL, 0);
+	template_expand(&t, "@LATER@", NULL, 0);
+	check_template_error(RNEAGEN_TEMPLATE, "nothing fills slot @INDENT@ in template sincos/call_any.in");
+	text_init(&t, &arena);
+	rest = template_expand_to(&t, template_header_lanes_in, "FILLED", &each, 1);
+	template_expand_to(&t, rest, "NO_SUCH", &each, 1);
+	check_template_error(RNEAGEN_TEMPLATE, "there is no slot @NO_SUCH@ in template header/header_lanes.in");
+	text_init(&t, &arena);
+	template_expand(&t, "@A@", NULL, 0);
+	check_template_error(RNEAGEN_TEMPLATE, "nothing fills slot @A@ in template of no file");
+	text_init(&t, &arena);
+	ck_assert_ptr_null(arena_take(&arena, SIZE_MAX, 2));
+	template_expand(&t, template_call_any_in, NULL, 0);
+	check_template_error(RNEAGEN_MEMORY, "out of memory");
+}
+END_TEST
+
+/* Of a whole text: the frame is changed where it stands in this program. */
+START_TEST(text_of_a_frame_with_a_new_slot)
+{
+	static const char urdf[] = ROBOT("r", BALL("a") BALL("b") JOINT("j", "revolute", "a", "b", AXIS("0 0 1")));
+	static const char slot[] = "@NEW_PLACE@";
+	size_t page = (size_t)sysconf(_SC_PAGESIZE);
+	char *frame = (char *)(uintptr_t)template_head_c_in, *begin = frame - (uintptr_t)frame % page;
+	char before[sizeof slot];
+	struct rneagen_result result;
+
+	ck_assert_int_eq(mprotect(begin, page + (size_t)(frame - begin), PROT_READ | PROT_WRITE), 0);
+	memcpy(before, frame, strlen(slot));
+	memcpy(frame, slot, strlen(slot));
+	options.target = RNEAGEN_TARGET_C;
+	ck_assert_int_eq(rneagen_generate(urdf, sizeof urdf - 1, &options, &result, &error), RNEAGEN_TEMPLATE);
+	ck_assert_str_eq(error.message, "nothing fills slot @NEW_PLACE@ in template c/head_c.in");
+	memcpy(frame, before, strlen(slot));
+}
+END_TEST
+
 /* ---- identifiers ---- */
 
 static const struct name {
@@ -375,13 +434,15 @@ int main(void)
 	TCase *c = tcase_create("pieces");
 
 	tcase_set_timeout(c, 60);
-	tcase_add_checked_fixture(c, open, close);
+	tcase_add_checked_fixture(c, set_up, tear_down);
 	tcase_add_test(c, numbers_of_random_bits);
 	tcase_add_test(c, numbers_at_the_ends);
 	tcase_add_loop_test(c, number_as_written, 0, sizeof written / sizeof *written);
 	tcase_add_test(c, number_too_large);
 	tcase_add_loop_test(c, templates, 0, sizeof expansions / sizeof *expansions);
 	tcase_add_test(c, templates_in_two);
+	tcase_add_test(c, templates_at_fault);
+	tcase_add_test(c, text_of_a_frame_with_a_new_slot);
 	tcase_add_loop_test(c, identifier, 0, sizeof names / sizeof *names);
 	tcase_add_test(c, identifier_of_any_bytes);
 	tcase_add_test(c, names_of_values);
