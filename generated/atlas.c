@@ -101,7 +101,6 @@ typedef char rneagen_constants_are_double[sizeof 1.0 == sizeof(double) ? 1 : -1]
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
 
-
 #ifndef RNEAGEN_SINCOS_KNOWN
 /* below */
 static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c);
@@ -155,7 +154,6 @@ static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const dou
 #else
 #define RNEA_WORTH(n) (2*(n)/3 + 1)
 #endif
-
 
 /* limbs or coordinates side by side: vectors of two numbers, where a compiler has them */
 #if defined __GNUC__ && defined __SSE2__ && !defined RNEA_NO_LANES && !defined __CUDACC__ && !defined __NVCOMPILER
@@ -5476,7 +5474,6 @@ static RNEA_INLINE int atlas_bpass_body(const double *q, const double *f, double
 	return all_small;
 }
 
-
 #ifndef RNEAGEN_SINCOS_CORE
 #define RNEAGEN_SINCOS_CORE
 union rneagen_f64 {
@@ -5741,7 +5738,6 @@ static RNEA_INLINE void atlas_bpass_sines(const double *q, const size_t stride, 
 	x[26] = q[29*stride];
 	rneagen_sincos_each(x, 27, sines);
 }
-
 
 /* ---- the functions of the header, and the table that librnea reads ---- */
 /* tau = ID(q, qd, qdd) of one sample: q[30], qd[30], qdd[30] -> tau[30]; tau may be qdd itself. */

@@ -3960,7 +3960,6 @@ atlas_rnea_part0_kernel(const float *__restrict__ q, const float *__restrict__ q
 #endif
 }
 
-
 #endif
 #if !defined RNEA_ONLY_PART_KERNELS
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
@@ -5533,7 +5532,6 @@ static RNEA_INLINE void atlas_rnea_limb3(const float *q, const float *qd, const 
 	tau[24*stride] = n25z;
 	(void)all_small;
 }
-
 
 /* Blocks of up to RNEA_LIMBS_GROUPS groups of RNEA_LIMBS warps, each group for 32 samples and with RNEA_LIMBS_BYTES of
    shared memory;

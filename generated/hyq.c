@@ -88,7 +88,6 @@ typedef char rneagen_constants_are_double[sizeof 1.0 == sizeof(double) ? 1 : -1]
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
 
-
 #ifndef RNEAGEN_SINCOS_KNOWN
 /* below */
 static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c);
@@ -142,7 +141,6 @@ static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const dou
 #else
 #define RNEA_WORTH(n) (2*(n)/3 + 1)
 #endif
-
 
 /* limbs or coordinates side by side: vectors of four numbers, where a compiler has them */
 #if defined __GNUC__ && defined __SSE2__ && !defined RNEA_NO_LANES && !defined __CUDACC__ && !defined __NVCOMPILER
@@ -3159,7 +3157,6 @@ static RNEA_INLINE int hyq_bpass_body(const double *q, const double *f, double *
 	return all_small;
 }
 
-
 #ifndef RNEAGEN_SINCOS_CORE
 #define RNEAGEN_SINCOS_CORE
 union rneagen_f64 {
@@ -3379,7 +3376,6 @@ static RNEA_INLINE void hyq_bpass_sines(const double *q, const size_t stride, do
 	x[11] = q[18*stride];
 	rneagen_sincos_each(x, 12, sines);
 }
-
 
 /* ---- the functions of the header, and the table that librnea reads ---- */
 /* tau = ID(q, qd, qdd) of one sample: q[19], qd[18], qdd[18] -> tau[18]; tau may be qdd itself. */

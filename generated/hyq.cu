@@ -2535,7 +2535,6 @@ hyq_rnea_part0_kernel(const float *__restrict__ q, const float *__restrict__ qd,
 #endif
 }
 
-
 #endif
 #if !defined RNEA_ONLY_PART_KERNELS
 extern "C" __global__ void __launch_bounds__(RNEA_BLOCK, RNEA_MIN_BLOCKS)
@@ -3582,7 +3581,6 @@ static RNEA_INLINE void hyq_rnea_limb3(const float *q, const float *qd, const fl
 	tau[5*stride] = n0z_5;
 	(void)all_small;
 }
-
 
 /* Blocks of up to RNEA_LIMBS_GROUPS groups of RNEA_LIMBS warps, each group for 32 samples and with RNEA_LIMBS_BYTES of
    shared memory;

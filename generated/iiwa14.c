@@ -69,7 +69,6 @@ typedef char rneagen_constants_are_double[sizeof 1.0 == sizeof(double) ? 1 : -1]
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
 
-
 #ifndef RNEAGEN_SINCOS_KNOWN
 /* below */
 static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c);
@@ -811,7 +810,6 @@ static RNEA_INLINE int iiwa14_bpass_body(const double *q, const double *f, doubl
 	return all_small;
 }
 
-
 #ifndef RNEAGEN_SINCOS_CORE
 #define RNEAGEN_SINCOS_CORE
 union rneagen_f64 {
@@ -1013,7 +1011,6 @@ static RNEA_INLINE void iiwa14_bpass_sines(const double *q, const size_t stride,
 	x[5] = q[6*stride];
 	rneagen_sincos_each(x, 6, sines);
 }
-
 
 /* ---- the functions of the header, and the table that librnea reads ---- */
 /* tau = ID(q, qd, qdd) of one sample: q[7], qd[7], qdd[7] -> tau[7]; tau may be qdd itself. */

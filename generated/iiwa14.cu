@@ -809,7 +809,6 @@ static RNEA_INLINE int iiwa14_bpass_body(const float *q, const float *f, float *
 	return all_small;
 }
 
-
 #ifndef RNEAGEN_SINCOSF_CORE
 #define RNEAGEN_SINCOSF_CORE
 union rneagen_f32 {
@@ -986,7 +985,6 @@ static RNEA_INLINE void iiwa14_bpass_sines(const float *q, const size_t stride, 
 	rneagen_sincosf_each(x, 6, sines);
 }
 
-
 /* ---- what this text computes, one `key values` a line: librnea reads it ---- */
 #if defined __CUDACC_RTC__
 #define RNEA_INFO __device__
@@ -1108,7 +1106,6 @@ iiwa14_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, fl
 #endif
 	iiwa14_bpass_body(q + k, f + k, tau + k, count, known, sines);
 }
-
 
 #if !defined __CUDACC_RTC__
 /* Run the kernel on device pointers in the caller's stream (a cudaStream_t); returns the cudaError_t. */

@@ -69,7 +69,6 @@ typedef char rneagen_constants_are_double[sizeof 1.0 == sizeof(double) ? 1 : -1]
 #define RNEA_FMA(a, b, c) ((a)*(b) + (c))
 #endif
 
-
 #ifndef RNEAGEN_SINCOS_KNOWN
 /* below */
 static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const double *sines, double *s, double *c);
@@ -660,7 +659,6 @@ static RNEA_INLINE int ur5_bpass_body(const double *q, const double *f, double *
 	return all_small;
 }
 
-
 #ifndef RNEAGEN_SINCOS_CORE
 #define RNEAGEN_SINCOS_CORE
 union rneagen_f64 {
@@ -859,7 +857,6 @@ static RNEA_INLINE void ur5_bpass_sines(const double *q, const size_t stride, do
 	x[4] = q[5*stride];
 	rneagen_sincos_each(x, 5, sines);
 }
-
 
 /* ---- the functions of the header, and the table that librnea reads ---- */
 /* tau = ID(q, qd, qdd) of one sample: q[6], qd[6], qdd[6] -> tau[6]; tau may be qdd itself. */

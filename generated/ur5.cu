@@ -660,7 +660,6 @@ static RNEA_INLINE int ur5_bpass_body(const float *q, const float *f, float *tau
 	return all_small;
 }
 
-
 #ifndef RNEAGEN_SINCOSF_CORE
 #define RNEAGEN_SINCOSF_CORE
 union rneagen_f32 {
@@ -834,7 +833,6 @@ static RNEA_INLINE void ur5_bpass_sines(const float *q, const size_t stride, flo
 	rneagen_sincosf_each(x, 5, sines);
 }
 
-
 /* ---- what this text computes, one `key values` a line: librnea reads it ---- */
 #if defined __CUDACC_RTC__
 #define RNEA_INFO __device__
@@ -955,7 +953,6 @@ ur5_bpass_kernel(const float *__restrict__ q, const float *__restrict__ f, float
 #endif
 	ur5_bpass_body(q + k, f + k, tau + k, count, known, sines);
 }
-
 
 #if !defined __CUDACC_RTC__
 /* Run the kernel on device pointers in the caller's stream (a cudaStream_t); returns the cudaError_t. */

@@ -177,3 +177,15 @@ void fold(struct text *out, size_t from)
 	text_put(out, text_string(&lines));
 	out->failed |= lines.failed;
 }
+
+void fold_blank(struct text *out)
+{
+	size_t length = 0;
+
+	for (size_t i = 0; i < out->length; i++)
+		if (out->s[i] != '\n' || length < 2 || out->s[length - 1] != '\n' || out->s[length - 2] != '\n')
+			out->s[length++] = out->s[i];
+	out->length = length;
+	if (out->s)
+		out->s[length] = '\0';
+}

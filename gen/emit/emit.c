@@ -380,6 +380,7 @@ void emit_source(const struct emission *e, struct text *out)
 	}
 	template_expand(out, rest, s.of, s.count);
 	fold(out, from);
+	fold_blank(out);
 	out->failed |= kernels.failed | e->arena->failed;
 }
 
@@ -392,5 +393,6 @@ void emit_declarations(const struct emission *e, struct text *out)
 
 	template_expand(out, e->target->declarations, slots, sizeof slots / sizeof *slots);
 	fold(out, from);
+	fold_blank(out);
 	out->failed |= e->arena->failed;
 }

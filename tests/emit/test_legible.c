@@ -1,5 +1,5 @@
-/* What a reader needs of a text: lines that fit a page, a legend that explains every name of the statements, no rows times
-   zero or one; and --only rnea, which leaves out what is not the algorithm. Reads the texts as strings, and shares nothing
+/* What a reader needs of a text: lines that fit a page, blank ones apart, a legend that explains every name of the statements, no
+   rows times zero or one; and --only rnea, which leaves out what is not the algorithm. Reads the texts as strings, and shares nothing
    with what wrote them. Every robot by every third variant in turn; under the sanitizers by every fifth. */
 #include "rneagen.h"
 #include "support/exhaustive.h"
@@ -81,6 +81,9 @@ static int is_word(const char *s, size_t length)
 
 static void check_lines(const char *text, const char *what)
 {
+	const char *blank = strstr(text, "\n\n\n");
+
+	ck_assert_msg(!blank, "%s: two blank lines before: %.80s", what, blank);
 	for (const char *s = text; *s; s += strcspn(s, "\n"), s += *s == '\n') {
 		size_t length = strcspn(s, "\n"), column = 0;
 
@@ -292,7 +295,7 @@ struct tour {
 	int variant, robots;
 };
 
-/* Catches a line that is written without the margin in mind, in any frame, statement, comment or table; and a quantity, an
+/* Catches a line that is written without the margin in mind, or a second blank one, in any frame, statement, comment or table; and a quantity, an
    input, a macro or a helper that is new in the statements and not in the legend. */
 static void check_text(const char *path, const char *name, void *context)
 {
