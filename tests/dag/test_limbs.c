@@ -3,7 +3,7 @@
 #include "passes/analysis.h"
 #include "plan/limbs/limbs.h"
 #include "rneagen.h"
-#include "support/model.h"
+#include "support/read.h"
 #include "support/random_robot.h"
 #include "support/rng.h"
 #include "support/suite.h"

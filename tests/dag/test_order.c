@@ -3,7 +3,7 @@
    early where then no more values wait. */
 #include "passes/analysis.h"
 #include "plan/early.h"
-#include "support/model.h"
+#include "support/read.h"
 #include "support/random_robot.h"
 #include "support/rng.h"
 #include "support/suite.h"

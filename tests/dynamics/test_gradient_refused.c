@@ -1,6 +1,6 @@
 #include "test_gradient.h"
 #include "rneagen.h"
-#include "support/model.h"
+#include "support/read.h"
 #include <stdlib.h>
 #include <string.h>
 

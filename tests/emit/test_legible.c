@@ -3,7 +3,7 @@
    with what wrote them. Every robot by every third variant in turn; under the sanitizers by every fifth. */
 #include "rneagen.h"
 #include "support/exhaustive.h"
-#include "support/model.h"
+#include "support/read.h"
 #include "support/suite.h"
 #include <ctype.h>
 #include <stdio.h>

@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "quad.h"
 #include "support/random_robot.h"
+#include "support/read.h"
 #include "reference/reference.h"
 #include "support/suite.h"
 #include <math.h>
@@ -73,17 +74,6 @@ static void compare_robot(const char *urdf, int floating, int samples, uint64_t 
 	quad_close(x);
 }
 
-static char *read_text(const char *path)
-{
-	char *text = numbers(1 << 20, 1);
-	FILE *f = fopen(path, "rb");
-
-	ck_assert_msg(f != NULL, "%s: cannot be opened", path);
-	ck_assert_uint_lt(fread(text, 1, 1 << 20, f), 1 << 20);
-	fclose(f);
-	return text;
-}
-
 static void report(const struct tally *t, const char *what)
 {
 	printf("%s: quad and extended precision differ by at most %.2f * 2^-64 of the magnitudes summed\n", what, t->worst);
@@ -96,10 +86,8 @@ START_TEST(own_robots)
 
 	for (size_t i = 0; i < sizeof ROBOTS / sizeof *ROBOTS; i++)
 		for (int floating = 0; floating < 2; floating++) {
-			char path[4096], *urdf;
+			char *urdf = robot_text(ROBOTS[i]);
 
-			snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, ROBOTS[i]);
-			urdf = read_text(path);
 			compare_robot(urdf, floating, SAMPLES, 1, ROBOTS[i], &t);
 			free(urdf);
 		}

@@ -4,6 +4,7 @@
    mean the same frame. Prints its seed. */
 #include "dag/eval.h"
 #include "passes/analysis.h"
+#include "support/read.h"
 #include "support/rng.h"
 #include "support/suite.h"
 #include "tree/pattern.h"
@@ -53,18 +54,6 @@ static const struct pair {
 	{"planar_tilted", 1, "coriolis", "", "derivatives forward\nwant dtau_dqd\n"},
 };
 enum { COUNT = sizeof PAIRS / sizeof *PAIRS };
-
-static char *robot_text(const char *name)
-{
-	char path[512], *urdf = calloc(1, 1 << 20);
-	FILE *f;
-
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, name);
-	f = fopen(path, "rb");
-	ck_assert(f != NULL && fread(urdf, 1, (1 << 20) - 1, f) > 0);
-	fclose(f);
-	return urdf;
-}
 
 static void open_scene(struct analysis *a, const char *urdf, int floats, const char *words, const char *more)
 {

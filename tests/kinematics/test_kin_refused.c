@@ -1,6 +1,7 @@
 /* What cannot be had of where things are is refused by a message that names it. Would catch a link that is guessed, and
    a frame that is read in part. */
 #include "rneagen.h"
+#include "support/read.h"
 #include "support/suite.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -40,13 +41,8 @@ START_TEST(refused)
 	struct rneagen_options o = rneagen_options_default();
 	struct rneagen_result text;
 	struct rneagen_error e;
-	char path[512], *urdf = calloc(1, 1 << 20);
-	FILE *f;
+	char *urdf = robot_text(x->robot);
 
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, x->robot);
-	f = fopen(path, "rb");
-	ck_assert(f != NULL && fread(urdf, 1, (1 << 20) - 1, f) > 0);
-	fclose(f);
 	o.scene = x->scene;
 	ck_assert_msg(rneagen_generate(urdf, strlen(urdf), &o, &text, &e), "not refused: %s", x->scene);
 	ck_assert_msg(strstr(e.message, x->says) != NULL, "%s: says '%s', not '%s'", x->scene, e.message, x->says);

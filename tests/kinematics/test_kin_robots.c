@@ -5,6 +5,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "kinematics/kin_case.h"
 #include "support/exhaustive.h"
+#include "support/read.h"
 #include "support/suite.h"
 #include <dirent.h>
 #include <stdio.h>
@@ -17,14 +18,12 @@ static const double NOISE = 4 * 0x1p-53, EPS[] = {0x1p-52, 0x1p-23};
 
 static char *read_text(const char *folder, const char *name)
 {
-	char path[1024], *text = calloc(1, 1 << 20);
-	FILE *f;
+	char path[1024], *text;
+	size_t length;
 
 	snprintf(path, sizeof path, "%s/%s", folder, name);
-	f = fopen(path, "rb");
-	ck_assert_msg(f != NULL && text != NULL, "%s", path);
-	ck_assert(fread(text, 1, (1 << 20) - 1, f) > 0);
-	fclose(f);
+	text = read_file(path, &length);
+	ck_assert_msg(text != NULL, "%s cannot be read", path);
 	return text;
 }
 
@@ -187,10 +186,8 @@ START_TEST(hard)
 {
 	const struct hard *h = &HARD[_i];
 	struct rneagen_options o = rneagen_options_default();
-	char name[64], *urdf;
+	char *urdf = robot_text(h->robot);
 
-	snprintf(name, sizeof name, "%s.urdf", h->robot);
-	urdf = read_text(TEST_DIR "/robots", name);
 	o.scene = h->scene;
 	o.base = h->base;
 	for (int is_f32 = 0; is_f32 < 2; is_f32++) {
@@ -227,10 +224,10 @@ START_TEST(forward)
 	static const struct {
 		const char *robot;
 		enum rneagen_base base;
-	} of[] = {{"iiwa14.urdf", RNEAGEN_FIXED}, {"panda.urdf", RNEAGEN_FIXED}, {"hyq.urdf", RNEAGEN_FLOATING}};
+	} of[] = {{"iiwa14", RNEAGEN_FIXED}, {"panda", RNEAGEN_FIXED}, {"hyq", RNEAGEN_FLOATING}};
 	struct kin_case *c = calloc(1, sizeof *c);
 	struct rneagen_options o = rneagen_options_default();
-	char *urdf = read_text(TEST_DIR "/robots", of[_i].robot);
+	char *urdf = robot_text(of[_i].robot);
 
 	o.scene = "want qdd,dmomentum,momentum,vcom,coriolis\n";
 	o.base = of[_i].base;

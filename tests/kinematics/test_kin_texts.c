@@ -4,6 +4,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "kinematics/kin_case.h"
 #include "support/process.h"
+#include "support/read.h"
 #include "support/suite.h"
 #include <dlfcn.h>
 #include <stdio.h>
@@ -36,19 +37,6 @@ static const struct subject {
 		RNEAGEN_SOA, 0x1p-49},
 };
 enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
-
-static char *read_robot(const char *name)
-{
-	char path[PATH], *text = calloc(1, 1 << 20);
-	FILE *f;
-
-	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", name);
-	f = fopen(path, "rb");
-	ck_assert_msg(f != NULL, "%s", path);
-	ck_assert(fread(text, 1, (1 << 20) - 1, f) > 0);
-	fclose(f);
-	return text;
-}
 
 static void write_file(const char *path, const char *text)
 {
@@ -180,7 +168,7 @@ START_TEST(compiled)
 	struct rneagen_options o = options_of(s);
 	struct rneagen_result text;
 	struct rneagen_error e;
-	char *urdf = read_robot(s->robot), folder[] = "/tmp/kin_texts_XXXXXX", source[64], header[64], library[64];
+	char *urdf = robot_text(s->robot), folder[] = "/tmp/kin_texts_XXXXXX", source[64], header[64], library[64];
 	void *handle;
 
 	o.target = RNEAGEN_TARGET_C;
@@ -219,7 +207,7 @@ static void check_other(const struct subject *s, enum rneagen_target target, con
 	struct rneagen_options o = options_of(s);
 	struct rneagen_result text;
 	struct rneagen_error e;
-	char *urdf = read_robot(s->robot), folder[] = "/tmp/kin_texts_XXXXXX", source[64], object[64], what[128];
+	char *urdf = robot_text(s->robot), folder[] = "/tmp/kin_texts_XXXXXX", source[64], object[64], what[128];
 	const char *argv[24];
 	int n = 0;
 

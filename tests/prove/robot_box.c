@@ -1,32 +1,22 @@
 #include "prove/robot_box.h"
 #include "dag/eval.h"
+#include "support/read.h"
 #include <check.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 
-static char *read_robot(const char *name)
+/* The elbow turns as the shoulder does. Takes the text, and returns it longer. */
+static char *follow(char *urdf)
 {
-	char path[512], *text = calloc(1, 1 << 20);
-	FILE *f;
+	static const char joint[] = "<joint name=\"elbow\"", mimic[] = "<mimic joint=\"shoulder\"/>";
+	size_t length = strlen(urdf);
+	char *longer = realloc(urdf, length + sizeof mimic), *at = longer ? strstr(longer, joint) : NULL;
 
-	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", name);
-	f = fopen(path, "r");
-	ck_assert_msg(f && text, "%s cannot be read", path);
-	ck_assert(fread(text, 1, (1 << 20) - 1, f) > 0);
-	fclose(f);
-	return text;
-}
-
-/* The elbow turns as the shoulder does. */
-static void follow(char *urdf)
-{
-	static const char mimic[] = "<mimic joint=\"shoulder\"/>";
-	char *at = strstr(urdf, "<joint name=\"elbow\"");
-
-	ck_assert(at && (at = strchr(at, '>')) && strlen(urdf) + sizeof mimic < 1 << 20);
+	ck_assert(at && (at = strchr(at, '>')));
 	memmove(at + sizeof mimic, at + 1, strlen(at));
 	memcpy(at + 1, mimic, sizeof mimic - 1);
+	return longer;
 }
 
 void robot_box_open(struct robot_box *x, const char *name, const char *scene, double gravity)
@@ -36,9 +26,9 @@ void robot_box_open(struct robot_box *x, const char *name, const char *scene, do
 	int is_floating = !strncmp(name, floats, sizeof floats - 1), is_mimic = !strncmp(name, follows, sizeof follows - 1);
 
 	name += is_floating ? sizeof floats - 1 : is_mimic ? sizeof follows - 1 : 0;
-	*x = (struct robot_box){.urdf = read_robot(name), .options = rneagen_options_default()};
+	*x = (struct robot_box){.urdf = robot_text(name), .options = rneagen_options_default()};
 	if (is_mimic)
-		follow(x->urdf);
+		x->urdf = follow(x->urdf);
 	x->options.file = name;
 	x->options.base = is_floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	x->options.scene = scene;

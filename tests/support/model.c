@@ -1,8 +1,6 @@
-#define _POSIX_C_SOURCE 200809L
 #include "support/model.h"
 #include "support/merged.h"
 #include <check.h>
-#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -160,57 +158,4 @@ struct model_error model_error_f64(struct model *m, uint64_t seed, int samples)
 struct model_error model_error_f32(struct model *m, uint64_t seed, int samples)
 {
 	return measure(m, seed, samples, 1);
-}
-
-char *read_file(const char *path, size_t *length)
-{
-	FILE *f = fopen(path, "rb");
-	char *s = NULL;
-	long size;
-
-	if (f && !fseek(f, 0, SEEK_END) && (size = ftell(f)) >= 0 && !fseek(f, 0, SEEK_SET)) {
-		s = calloc((size_t)size + 1, 1);
-		if (s && fread(s, 1, (size_t)size, f) != (size_t)size) {
-			free(s);
-			s = NULL;
-		}
-		*length = (size_t)size;
-	}
-	if (f)
-		fclose(f);
-	return s;
-}
-
-char *robot_text(const char *name)
-{
-	char path[512], *urdf;
-	size_t length;
-
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, name);
-	urdf = read_file(path, &length);
-	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
-	return urdf;
-}
-
-static int is_urdf(const struct dirent *entry)
-{
-	const char *dot = strrchr(entry->d_name, '.');
-
-	return dot && !strcmp(dot, ".urdf");
-}
-
-int for_each_urdf(const char *folder, void (*f)(const char *path, const char *name, void *context), void *context)
-{
-	struct dirent **entries;
-	int n = scandir(folder, &entries, is_urdf, alphasort);
-	char path[4096];
-
-	for (int i = 0; i < n; i++) {
-		snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
-		f(path, entries[i]->d_name, context);
-		free(entries[i]);
-	}
-	if (n >= 0)
-		free(entries);
-	return n;
 }

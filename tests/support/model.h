@@ -6,6 +6,7 @@
 #include "dag/eval.h"
 #include "reference/reference.h"
 #include "dynamics/registry.h"
+#include "support/read.h"
 
 /* The DAGs of a model, in the order of the registry. */
 enum { PASS_RNEA = ALGORITHM_rnea, PASS_FPASS = ALGORITHM_fpass, PASS_BPASS = ALGORITHM_bpass, PASS_COUNT };
@@ -32,14 +33,5 @@ struct model_error {
 
 struct model_error model_error_f64(struct model *m, uint64_t seed, int samples);
 struct model_error model_error_f32(struct model *m, uint64_t seed, int samples);
-
-/* The whole file, NUL-terminated; the caller frees it. NULL if it cannot be read. */
-char *read_file(const char *path, size_t *length);
-
-/* The same of tests/robots/NAME.urdf. Aborts the test if it cannot be read. */
-char *robot_text(const char *name);
-
-/* Call f for every *.urdf in the folder, in byte order; returns how many there were. */
-int for_each_urdf(const char *folder, void (*f)(const char *path, const char *name, void *context), void *context);
 
 #endif

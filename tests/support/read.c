@@ -6,6 +6,36 @@
 #include <stdlib.h>
 #include <string.h>
 
+char *read_file(const char *path, size_t *length)
+{
+	FILE *f = fopen(path, "rb");
+	char *s = NULL;
+	long size;
+
+	if (f && !fseek(f, 0, SEEK_END) && (size = ftell(f)) >= 0 && !fseek(f, 0, SEEK_SET)) {
+		s = calloc((size_t)size + 1, 1);
+		if (s && fread(s, 1, (size_t)size, f) != (size_t)size) {
+			free(s);
+			s = NULL;
+		}
+		*length = (size_t)size;
+	}
+	if (f)
+		fclose(f);
+	return s;
+}
+
+char *robot_text(const char *name)
+{
+	char path[512], *urdf;
+	size_t length;
+
+	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, name);
+	urdf = read_file(path, &length);
+	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
+	return urdf;
+}
+
 void read_memory(struct read *r, const char *xml, size_t length, const char *file)
 {
 	char *copy = malloc(length ? length : 1); /* exactly as long, so that a sanitizer sees reads beyond the end */
@@ -20,23 +50,13 @@ void read_memory(struct read *r, const char *xml, size_t length, const char *fil
 
 void read_robot(struct read *r, const char *directory, const char *name)
 {
-	char path[1024];
-	char *text = NULL;
-	long size;
-	FILE *f;
+	char path[1024], *text;
+	size_t length;
 
 	snprintf(path, sizeof path, "%s/%s", directory, name);
-	f = fopen(path, "rb");
-	ck_assert_msg(f != NULL, "cannot open %s", path);
-	ck_assert_int_eq(fseek(f, 0, SEEK_END), 0);
-	size = ftell(f);
-	ck_assert_int_ge(size, 0);
-	rewind(f);
-	text = malloc((size_t)size + 1);
-	ck_assert_ptr_nonnull(text);
-	ck_assert_uint_eq(fread(text, 1, (size_t)size, f), (size_t)size);
-	fclose(f);
-	read_memory(r, text, (size_t)size, name);
+	text = read_file(path, &length);
+	ck_assert_msg(text != NULL, "%s cannot be read", path);
+	read_memory(r, text, length, name);
 	free(text);
 }
 
@@ -77,4 +97,27 @@ void names_free(char **names)
 	for (char **n = names; *n; n++)
 		free(*n);
 	free(names);
+}
+
+static int is_urdf(const struct dirent *entry)
+{
+	const char *dot = strrchr(entry->d_name, '.');
+
+	return dot && !strcmp(dot, ".urdf");
+}
+
+int for_each_urdf(const char *folder, void (*f)(const char *path, const char *name, void *context), void *context)
+{
+	struct dirent **entries;
+	int n = scandir(folder, &entries, is_urdf, alphasort);
+	char path[4096];
+
+	for (int i = 0; i < n; i++) {
+		snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
+		f(path, entries[i]->d_name, context);
+		free(entries[i]);
+	}
+	if (n >= 0)
+		free(entries);
+	return n;
 }

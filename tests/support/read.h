@@ -1,8 +1,14 @@
 #ifndef READ_H
 #define READ_H
-/* For tests of the front end: a robot read from a file or a string, and the listing of directories. */
+/* Files of robots, as text or read by the front end, and the listing of directories. */
 
 #include "urdf/robot.h"
+
+/* The whole file, NUL-terminated; the caller frees it. NULL if it cannot be read. */
+char *read_file(const char *path, size_t *length);
+
+/* The same of tests/robots/NAME.urdf. Aborts the test if it cannot be read. */
+char *robot_text(const char *name);
 
 struct read {
 	struct arena arena;
@@ -21,5 +27,8 @@ void read_free(struct read *r);
 /* Names of the files *.urdf in a directory, sorted; a NULL ends them. names_free afterwards. */
 char **names_list(const char *directory, int *count);
 void names_free(char **names);
+
+/* Call f for every *.urdf in the folder, in byte order; returns how many there were. */
+int for_each_urdf(const char *folder, void (*f)(const char *path, const char *name, void *context), void *context);
 
 #endif

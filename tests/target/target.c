@@ -1,6 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "target/target.h"
-#include "support/model.h"
+#include "support/read.h"
 #include "emit/emit.h"
 #include "support/process.h"
 #include <check.h>

@@ -1,5 +1,5 @@
 /* What --info says that each choice of a scene saves, against texts made with and without it. */
-#include "support/model.h"
+#include "support/read.h"
 #include "rneagen.h"
 #include "support/generated.h"
 #include "support/suite.h"

@@ -2,7 +2,7 @@
    build/tests/qdd_bound_measure FOLDER... >tests/bounds/forward/qdd_bound.md, with folders of robots. */
 #include "forward_eval.h"
 #include "plan/plan.h"
-#include "support/model.h"
+#include "support/read.h"
 #include "support/suite.h"
 #include <math.h>
 #include <quadmath.h>

@@ -4,7 +4,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "forward_eval.h"
 #include "support/exhaustive.h"
-#include "support/model.h"
+#include "plan/plan.h"
+#include "support/read.h"
 #include "support/random_robot.h"
 #include "support/suite.h"
 #include <math.h>

@@ -2,7 +2,7 @@
    compiler for GPUs joins a product to a sum, and settings that would change bits are refused. */
 #define _POSIX_C_SOURCE 200809L
 #include "support/exhaustive.h"
-#include "support/model.h"
+#include "support/read.h"
 #include "support/process.h"
 #include "support/rng.h"
 #include "support/suite.h"

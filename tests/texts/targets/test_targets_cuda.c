@@ -4,7 +4,7 @@
    (RNEAGEN_ROBOTS). */
 #define _GNU_SOURCE
 #include "support/exhaustive.h"
-#include "support/model.h"
+#include "support/read.h"
 #include "support/process.h"
 #include "target/ptxas.h"
 #include "support/suite.h"

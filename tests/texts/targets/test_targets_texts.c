@@ -4,7 +4,7 @@
    and every second robot of ours, every third real one. */
 #define _POSIX_C_SOURCE 200809L
 #include "support/exhaustive.h"
-#include "support/model.h"
+#include "support/read.h"
 #include "support/process.h"
 #include "support/suite.h"
 #include "target/target.h"
