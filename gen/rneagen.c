@@ -131,12 +131,13 @@ static enum segment_use segment_use(const struct generation *g, int function)
 static enum rneagen_code segments_make_all(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
+	const struct target_type *target = target_type_of(a->options.target);
 
 	for (int i = 0; i < function_count(g); i++)
 		if (!segments_choose(&g->functions[i], segment_use(g, i), &a->request, &a->options, a->arena))
 			return error_memory(a->error);
-	if (!target_type_of(a->options.target)->kernel && a->adjust.prune == 0 &&
-		!lanes_single(g->functions, &a->request, &a->options, a->arena))
+	if (!target->kernel && a->adjust.prune == 0 &&
+		!lanes_single(g->functions, &a->request, &a->options, target->is_header, a->arena))
 		error_memory(a->error);
 	return a->error->code;
 }

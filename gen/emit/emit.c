@@ -232,11 +232,6 @@ static const char *lanes_need(const struct emission *e)
 	return p->dag.width == 4 && e->arithmetic->bytes == 8 && is_short ? "__AVX__" : "__SSE2__";
 }
 
-static int is_header(const struct emission *e)
-{
-	return e->target == &TARGET_HEADER;
-}
-
 /* Vectors of 16 bytes at least: two floats fill one twice. A header's are C++ too. */
 static void put_lanes(const struct emission *e, struct text *out)
 {
@@ -247,7 +242,7 @@ static void put_lanes(const struct emission *e, struct text *out)
 		{"NEEDS", lanes_need(e)}, {"SUFFIX", is_f32 ? "ps" : is_two ? "pd" : "pd256"}};
 
 	template_expand(out, template_lanes_in, slots, sizeof slots / sizeof *slots);
-	if (is_header(e))
+	if (e->target->is_header)
 		template_expand(out, template_header_lanes_in, slots, sizeof slots / sizeof *slots);
 }
 
@@ -256,7 +251,7 @@ static void put_bodies(const struct emission *e, struct text *out)
 	int is_whole = emit_alone_is_whole(e);
 
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
-	text_put(out, emit_has_segments(e) && !is_header(e) ? template_independent_in : "");
+	text_put(out, emit_has_segments(e) && !e->target->is_header ? template_independent_in : "");
 	if (e->lanes)
 		put_lanes(e, out);
 	if (emit_main(e)->single)
@@ -365,7 +360,7 @@ void emit_source(const struct emission *e, struct text *out)
 	text_init(&kernels, e->arena);
 	emit_kernels(e, &kernels);
 	common_slots(e, &s);
-	(is_header(e) ? header_slots : function_slots)(e, &s);
+	(e->target->is_header ? header_slots : function_slots)(e, &s);
 	if (e->target->kernel)
 		kernel_slots(e, text_string(&kernels), &s);
 	rest = template_expand_to(out, e->target->frame, "BODIES", s.of, s.count);

@@ -81,7 +81,7 @@ const char *emit_undef_wide(const struct emission *e)
 /* Numbers of f32 have a suffix, and are floats whatever the flags. */
 static int has_doubles(const struct emission *e)
 {
-	return e->options->precision != RNEAGEN_F32 || e->options->bounded || e->wide;
+	return e->memory->bytes == 8 || e->arithmetic->bytes == 8 || e->options->bounded || e->wide;
 }
 
 const char *emit_ieee(const struct emission *e)

@@ -106,13 +106,13 @@ const struct number_type NUMBER_F32 = {.memory = &SCALAR_F32, .arithmetic = &SCA
 	.calls = CALLS_F32, .strict_calls = STRICT_CALLS_F32, .sincos = "rneagen_sincosf_",
 	.strict_sincos = "rneagen_strict_sincosf_", .load = {"", ""}, .store = {"", ""}, .angle = {"", ""},
 	.note = "", .put_constant = put_constant, .put_cheaper = put_reciprocal, .put_functions = put_reciprocals,
-	.frames = &SINCOS_F32, .bounded = &WITHIN_F32, .fuses = 1, .model = {MODEL_F32, .store_largest = DBL_MAX},
+	.frames = &SINCOS_F32, .lanes = &LANES_F32, .bounded = &WITHIN_F32, .fuses = 1, .model = {MODEL_F32, .store_largest = DBL_MAX},
 	.fast_sine = -21.41, .fast_cosine = -21.19, .fast_angle = (double)3.14159265f};
 
 const struct number_type NUMBER_F64 = {.memory = &SCALAR_F64, .arithmetic = &SCALAR_F64, .value = "double",
 	.calls = CALLS_F64, .strict_calls = STRICT_CALLS_F64, .sincos = "rneagen_sincos_",
 	.strict_sincos = "rneagen_strict_sincos_", .load = {"", ""}, .store = {"", ""}, .angle = {"", ""},
-	.note = "", .put_constant = put_constant, .frames = &SINCOS_F64, .bounded = &WITHIN_F64, .fuses = 1,
+	.note = "", .put_constant = put_constant, .frames = &SINCOS_F64, .lanes = &LANES_F64, .bounded = &WITHIN_F64, .fuses = 1,
 	.model = {MODEL_F64, .store_largest = DBL_MAX}};
 
 /* Results are rounded to float when they are stored. */

@@ -62,6 +62,7 @@ struct number_type {
 	struct around widen, narrow;                  /* as wide numbers of a text in f32: from a float, and rounded to one */
 	const char *note;                             /* for the head of a text */
 	const struct sincos_frames *frames;
+	const struct number_type *lanes;              /* limbs, or coordinates, side by side; NULL: none */
 	const struct number_type *bounded;            /* pairs of such a number and a bound of its error; NULL: none */
 	struct eval_model model;                      /* of its arithmetic, but for what options say */
 	double fast_sine, fast_cosine, fast_angle;    /* of the model with frames->fast: powers of two, the largest angle */

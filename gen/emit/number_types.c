@@ -25,7 +25,7 @@ void emit_set_precision(struct emission *e)
 	if (e->request && e->request->refine_steps)
 		e->wide = wide[e->request->refine];
 	if (e->functions && emit_main(e)->beside)
-		e->lanes = e->options->precision == RNEAGEN_F32 ? &LANES_F32 : &LANES_F64;
+		e->lanes = e->numbers->lanes;
 	e->memory = e->numbers->memory;
 	e->arithmetic = e->numbers->arithmetic;
 }

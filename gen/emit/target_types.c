@@ -31,7 +31,7 @@ const struct target_type TARGET_C = {.suffixes = SUFFIXES_C, .precision = RNEAGE
 
 const struct target_type TARGET_HEADER = {.suffixes = SUFFIXES_HEADER, .precision = RNEAGEN_F32,
 	.frame = template_header_h_in, .arithmetic = template_arithmetic_header_in,
-	.strict_arithmetic = template_arithmetic_strict_header_in, .has_unit = 1, .aliases = ".", .note = ""};
+	.strict_arithmetic = template_arithmetic_strict_header_in, .has_unit = 1, .is_header = 1, .aliases = ".", .note = ""};
 
 const struct target_type *target_type_of(enum rneagen_target target)
 {

@@ -91,14 +91,8 @@ static const char *name_of(const struct function *p, struct arena *a)
 	return text_string(&t);
 }
 
-/* A header has no functions for loops over columns. */
-static int has_place(const struct function *s, const struct rneagen_options *o)
-{
-	return o->target != RNEAGEN_TARGET_HEADER || !s->dag.loop_count;
-}
-
-/* p->beside: of all ways the one with the fewest operations. */
-static int make_beside(struct function *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
+/* p->beside: of all ways the one with the fewest operations. A header has no functions for loops over columns. */
+static int make_beside(struct function *p, const struct request *k, const struct rneagen_options *o, int is_header, struct arena *a)
 {
 	static segments_build *const builds[] = {build_four, build_two, build_coordinates};
 	const char *name = name_of(p, a);
@@ -108,7 +102,7 @@ static int make_beside(struct function *p, const struct request *k, const struct
 
 		if (!segments_once_more(&s, p, builds[i], name, k, o, a))
 			return 0;
-		if (s && has_place(s, o) && !loops_read_lanes(s) && is_worth_it(s, other_than(p)) &&
+		if (s && !(is_header && s->dag.loop_count) && !loops_read_lanes(s) && is_worth_it(s, other_than(p)) &&
 			(!p->beside || count_operations(s) < count_operations(p->beside)))
 			p->beside = s;
 	}
@@ -116,11 +110,11 @@ static int make_beside(struct function *p, const struct request *k, const struct
 	return !a->failed;
 }
 
-int lanes_single(struct function *p, const struct request *k, const struct rneagen_options *o, struct arena *a)
+int lanes_single(struct function *p, const struct request *k, const struct rneagen_options *o, int is_header, struct arena *a)
 {
 	if (!segments_single(p, k, o, a) || (!o->only && !segments_many(p, k, o, a)))
 		return 0;
 	if (!may_have_lanes(k, o) || (p->single && dag_loops_go_back(&p->single->dag)))
 		return !a->failed;
-	return make_beside(p, k, o, a);
+	return make_beside(p, k, o, is_header, a);
 }

@@ -14,6 +14,6 @@ void lanes_of_twins(struct dag *out, const struct dag *d, const struct tree *t, 
 
 /* Make p->single, p->many and p->beside: what a call of one sample, and batches, run instead (segments.h), and what a call runs
    in lanes, where that saves operations, and nothing promises the call's bits (beside.c). Returns 0 when memory runs out. */
-int lanes_single(struct function *p, const struct request *k, const struct rneagen_options *o, struct arena *a);
+int lanes_single(struct function *p, const struct request *k, const struct rneagen_options *o, int is_header, struct arena *a);
 
 #endif
