@@ -19,6 +19,25 @@ static enum rneagen_code check_bits(const struct rneagen_options *o, struct rnea
 	return RNEAGEN_OK;
 }
 
+/* Numbers that would change nothing. That parts are for kernels is told where they are made. */
+static enum rneagen_code check_counts(const struct rneagen_options *o, struct rneagen_error *e)
+{
+	const struct target_type *target = target_type_of(o->target);
+
+	if (o->limbs > RNEAGEN_LIMBS_NONE && (o->target != RNEAGEN_TARGET_CUDA || o->precision == RNEAGEN_F32X2))
+		return error_set(e, RNEAGEN_USAGE, "--limbs %d is for kernels%s", o->limbs,
+			o->target != RNEAGEN_TARGET_CUDA ? ": take --target cuda"
+				: ", but of no pairs of floats: take another --precision");
+	if (o->segments > RNEAGEN_SEGMENTS_WHOLE && target->is_header)
+		return error_set(e, RNEAGEN_USAGE,
+			"--segments %d is for functions of batches and for kernels, and a header has neither: leave it out, or take "
+			"--target c or cuda", o->segments);
+	if (o->segments > RNEAGEN_SEGMENTS_WHOLE && o->parts > 1 && target->kernel)
+		return error_set(e, RNEAGEN_USAGE,
+			"--segments %d and --parts %d exclude each other: a kernel in parts has no segments; leave one out", o->segments, o->parts);
+	return RNEAGEN_OK;
+}
+
 enum rneagen_code choices_resolve(struct analysis *a)
 {
 	struct rneagen_options *o = &a->options;
@@ -26,12 +45,8 @@ enum rneagen_code choices_resolve(struct analysis *a)
 
 	o->precision = emit_precision_of(o);
 	a->model = eval_model_of(o, 0);
-	if (check_bits(o, e))
+	if (check_bits(o, e) || check_counts(o, e))
 		return e->code;
-	if (o->limbs > RNEAGEN_LIMBS_NONE && (o->target != RNEAGEN_TARGET_CUDA || o->precision == RNEAGEN_F32X2))
-		return error_set(e, RNEAGEN_USAGE, "--limbs %d is for kernels%s", o->limbs,
-			o->target != RNEAGEN_TARGET_CUDA ? ": take --target cuda"
-				: ", but of no pairs of floats: take another --precision");
 	if (!o->name)
 		o->name = identifier_from(a->robot.name, a->arena);
 	else if (!identifier_is(o->name))

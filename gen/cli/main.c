@@ -81,13 +81,38 @@ static const struct option OPTIONS[] = {
 static const struct option_choice ONLY[] = {RNEAGEN_ONLY_WORDS(ONLY_CHOICE) {NULL, 0}};
 #undef ONLY_CHOICE
 
-/* --info and --dot share standard output. */
+/* --info, in either form, and --dot share standard output. */
 static int set_info(struct command *c, enum info_mode info)
 {
-	if (c->info != INFO_NONE && (c->info == INFO_DOT) != (info == INFO_DOT))
-		return option_refuse(COMMAND, "--info and --dot both print to standard output; take one");
+	if (c->info != INFO_NONE && c->info != info)
+		return option_refuse(COMMAND, "%s both print to standard output; take one",
+			c->info == INFO_DOT || info == INFO_DOT ? "--info and --dot" : "--info and --info=json");
 	c->info = info;
 	return 0;
+}
+
+/* Of two outputs one would be lost. */
+static int set_output(struct command *c, const char *word)
+{
+	const char *before = c->is_text_printed ? "-" : c->output;
+
+	if (!*word)
+		return option_refuse(COMMAND, "-o takes the name of a file, not an empty word");
+	if (before && strcmp(before, word))
+		return option_refuse(COMMAND, "-o %s and -o %s: a run writes one text; take one", before, word);
+	c->output = strcmp(word, "-") ? word : NULL;
+	c->is_text_printed = !c->output;
+	return 0;
+}
+
+static int set_dump(struct command *c, const char *word)
+{
+	enum rneagen_dump before = c->options.dump;
+	int bad = option_generate(COMMAND, &c->options, OPTION_DUMP, word);
+
+	if (!bad && before != RNEAGEN_DUMP_NONE && before != c->options.dump)
+		return option_refuse(COMMAND, "--dump prints what one pass has made; take one");
+	return bad;
 }
 
 static int fail(const struct rneagen_error *e)
@@ -105,9 +130,9 @@ static int parse_option(struct command *c, int key, const char *word)
 		return fail(&e);
 	switch (key) {
 	case 'o':
-		c->output = strcmp(word, "-") ? word : NULL;
-		c->is_text_printed = !c->output;
-		return *word ? 0 : option_refuse(COMMAND, "-o takes the name of a file, not an empty word");
+		return set_output(c, word);
+	case OPTION_DUMP:
+		return set_dump(c, word);
 	case KEY_NAME:
 		c->options.name = word;
 		return 0;

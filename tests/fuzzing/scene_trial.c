@@ -81,6 +81,7 @@ static struct rneagen_options draw_options(struct dice *d)
 	static const double gravities[][3] = {{0, 0, -9.81}, {0, 0, 0}, {0.573, 1.62, -1e-5}, {1e300, -1e300, 1e-300}};
 	struct rneagen_options o = rneagen_options_default();
 	size_t gravity = dice_below(d, 16);
+	int may_segment;
 
 	o.file = FILE_NAME;
 	o.tell = RNEAGEN_TELL_ALL;
@@ -93,7 +94,8 @@ static struct rneagen_options draw_options(struct dice *d)
 	o.trig = (enum rneagen_trig)dice_below(d, o.strict ? 2 : 3);
 	o.bounded = o.target == RNEAGEN_TARGET_C && o.precision != RNEAGEN_F32X2 && dice_below(d, 4) == 3;
 	o.parts = dice_below(d, 32) == 31 ? 2 : RNEAGEN_PARTS_AUTO;
-	o.segments = dice_below(d, 8) == 7 ? 30 : RNEAGEN_SEGMENTS_AUTO;
+	may_segment = o.target != RNEAGEN_TARGET_HEADER && o.parts == RNEAGEN_PARTS_AUTO;
+	o.segments = dice_below(d, 8) == 7 && may_segment ? 30 : RNEAGEN_SEGMENTS_AUTO;
 	memcpy(o.gravity, gravities[gravity > 2 ? gravity == 15 ? 3 : 0 : gravity], sizeof o.gravity);
 	return o;
 }
