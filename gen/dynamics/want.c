@@ -302,6 +302,35 @@ static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x
 	forward_bound(x, *in, output_of(b, WANT_QDD_BOUND));
 }
 
+static struct joint_inputs declare_inputs(const struct build *b, struct forward *x)
+{
+	const struct request *k = b->k;
+	struct joint_inputs in = {.q = source(b->d, INPUT_Q, k->q, b->t->nq),
+		.by_halves = k->is_motion && k->pose == POSE_QUATERNION && request_wants(k, WANT_POSE)};
+
+	in.qd = source(b->d, INPUT_QD, k->qd, b->t->nv);
+	if (k->is_forward)
+		x->torques = source(b->d, INPUT_TAU, k->tau, b->t->nv);
+	else
+		in.qdd = source(b->d, INPUT_QDD, k->qdd, b->t->nv);
+	return in;
+}
+
+/* All but qdd and what is found with it. */
+static void run_outputs(struct build *b, struct joint_inputs in)
+{
+	in.is_again = is_made_again(b);
+	run_kinematics(b, in);
+	if (is_gravity_alone(b))
+		run_gravity(b, in, output_of(b, WANT_TAU), -1);
+	else if (takes_main(b->k))
+		run_main(b, in);
+	run_bias(b, in);
+	run_gravity(b, in, output_of(b, WANT_GRAVITY), output_of(b, WANT_POTENTIAL));
+	opspace_outputs(b, in);
+	product_outputs(b, in);
+}
+
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways)
 {
 	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics,
@@ -314,13 +343,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 		return;
 	}
 	dag_section(d, SECTION_FREED, 0);
-	in = (struct joint_inputs){.q = source(d, INPUT_Q, k->q, t->nq)};
-	in.by_halves = k->is_motion && k->pose == POSE_QUATERNION && request_wants(k, WANT_POSE);
-	in.qd = source(d, INPUT_QD, k->qd, t->nv);
-	if (k->is_forward)
-		forward.torques = source(d, INPUT_TAU, k->tau, t->nv);
-	else
-		in.qdd = source(d, INPUT_QDD, k->qdd, t->nv);
+	in = declare_inputs(&b, &forward);
 	if (!want_constants(&b))
 		return;
 	in.offset = b.offset;
@@ -336,16 +359,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	}
 	if (k->is_forward)
 		find_qdd(&b, &in, &forward);
-	in.is_again = is_made_again(&b);
-	run_kinematics(&b, in);
-	if (is_gravity_alone(&b))
-		run_gravity(&b, in, output_of(&b, WANT_TAU), -1);
-	else if (takes_main(k))
-		run_main(&b, in);
-	run_bias(&b, in);
-	run_gravity(&b, in, output_of(&b, WANT_GRAVITY), output_of(&b, WANT_POTENTIAL));
-	opspace_outputs(&b, in);
-	product_outputs(&b, in);
+	run_outputs(&b, in);
 	if (ways.loops)
 		forward_loop(&forward);
 	dag_forget(d);

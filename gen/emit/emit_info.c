@@ -50,6 +50,36 @@ static void put_limbs(const struct emission *e, const char *key, const struct li
 	text_printf(out, "%s %d %d %d %u\n", key, s->warps, s->groups, emit_limbs_bytes(e, s), s->most);
 }
 
+/* What launches must know of the main function's kernels. */
+static void put_kernels(const struct emission *e, struct text *out)
+{
+	if (emit_stage_bytes(e))
+		text_printf(out, "stage %d\n", emit_stage_bytes(e));
+	if (e->part_count - emit_hands(e) > 1)
+		text_printf(out, "parts %d\n", e->part_count - emit_hands(e));
+	if (emit_each_block(e))
+		text_printf(out, "threads %d %d\n", emit_loops(e)->limbs, emit_each_block(e));
+	if (emit_alone_least(e)) {
+		text_printf(out, "part_kernels %d %d %d %d\n", emit_alone_least(e), emit_part_places(e), emit_alone_block(e),
+			emit_serves_untiled(e) ? 0 : TILES_ARCH);
+		emit_info_tiles(e, out);
+	}
+	if (emit_hands(e)) {
+		text_put(out, "hands");
+		for (int level = 0; level < emit_hand_levels(e); level++)
+			text_printf(out, " %d", emit_hands_of(e, level));
+		text_put(out, "\n");
+	}
+	if (e->relay)
+		text_printf(out, "relay %d %d %d\n", emit_relay_bytes(e), e->relay->warps, e->relay->room);
+	if (e->relay && e->relay->start_count)
+		text_printf(out, "start_parts %d\n", e->relay->start_count);
+	if (emit_has_limbs(e))
+		put_limbs(e, emit_is_apart(e) ? "whole_limbs" : "limbs", emit_limbs_of(e), out);
+	if (emit_start_limbs(e))
+		put_limbs(e, "start_limbs", emit_start_limbs(e), out);
+}
+
 /* A function of the table: what it takes and gives, and what it costs. Only the first has matrices, stages or is in parts. */
 static void put_function(const struct emission *e, const struct function *p, struct text *out)
 {
@@ -71,31 +101,8 @@ static void put_function(const struct emission *e, const struct function *p, str
 	text_printf(out, "operations %u %u %u %u %u %u\n", n.mul, n.add, n.sub, n.neg, n.fma, n.sincos);
 	if (e->target->kernel && p->segments.count)
 		text_printf(out, "segments %d %d\n", emit_segments_bytes(e, p), emit_segments_samples(e));
-	if (is_main && emit_stage_bytes(e))
-		text_printf(out, "stage %d\n", emit_stage_bytes(e));
-	if (is_main && e->part_count - emit_hands(e) > 1)
-		text_printf(out, "parts %d\n", e->part_count - emit_hands(e));
-	if (is_main && emit_each_block(e))
-		text_printf(out, "threads %d %d\n", emit_loops(e)->limbs, emit_each_block(e));
-	if (is_main && emit_alone_least(e))
-		text_printf(out, "part_kernels %d %d %d %d\n", emit_alone_least(e), emit_part_places(e), emit_alone_block(e),
-			emit_serves_untiled(e) ? 0 : TILES_ARCH);
-	if (is_main && emit_alone_least(e))
-		emit_info_tiles(e, out);
-	if (is_main && emit_hands(e)) {
-		text_put(out, "hands");
-		for (int level = 0; level < emit_hand_levels(e); level++)
-			text_printf(out, " %d", emit_hands_of(e, level));
-		text_put(out, "\n");
-	}
-	if (is_main && e->relay)
-		text_printf(out, "relay %d %d %d\n", emit_relay_bytes(e), e->relay->warps, e->relay->room);
-	if (is_main && e->relay && e->relay->start_count)
-		text_printf(out, "start_parts %d\n", e->relay->start_count);
-	if (is_main && emit_has_limbs(e))
-		put_limbs(e, emit_is_apart(e) ? "whole_limbs" : "limbs", emit_limbs_of(e), out);
-	if (is_main && emit_start_limbs(e))
-		put_limbs(e, "start_limbs", emit_start_limbs(e), out);
+	if (is_main)
+		put_kernels(e, out);
 }
 
 /* What knows no relays, no hands, no parts of a relay's first kernel, no more than one kernel for hands, or no threads of a
