@@ -218,11 +218,12 @@ struct rnea_function {
 	struct rnea_limbs limbs; /* of the kernel NAME_FUNCTION_limbs */
 	/* A relay: rnea_launch and rnea_run launch three kernels with the same parameters, one after the other. The function's
 	   own, which may have limbs, is the second. The first is NAME_FUNCTION_start_kernel, in blocks as long as the second's.
-	   The third is NAME_FUNCTION_solve_kernel: a block is of 32 relay_warps threads with relay_bytes bytes of shared memory
-	   given, and does 32 samples; the blocks along y share its work, and any number of them is right; it is fast where all
+	   The third is NAME_FUNCTION_solve_kernel: a block does relay_samples samples, has relay_threads threads for each, and
+	   relay_bytes bytes of shared memory given; the blocks along y share its work, and any number of them is right; it is fast where all
 	   blocks run at once. */
-	unsigned relay_warps; /* 0: there is one kernel */
-	unsigned relay_room;  /* blocks of the third, along x and y, beyond which more along y gained nothing on an H100 */
+	unsigned relay_threads; /* 0: there is one kernel */
+	unsigned relay_samples;
+	unsigned relay_room;    /* blocks of the third, along x and y, beyond which more along y gained nothing on an H100 */
 	size_t relay_bytes;
 	unsigned start_parts; /* blocks of the first along y: a grid without as many stops with an error (a trap); else 1 */
 	struct rnea_limbs start_limbs; /* of the kernel NAME_FUNCTION_start_limbs, which takes the place of the first */

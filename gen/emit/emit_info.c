@@ -7,6 +7,7 @@
 #include "emit/kernels/emit_relay.h"
 #include "emit/kernels/emit_segments_kernel.h"
 #include "emit/kernels/emit_tiles.h"
+#include "plan/stage.h"
 #include "plan/tiles/tiles.h"
 #include <string.h>
 
@@ -50,6 +51,18 @@ static void put_limbs(const struct emission *e, const char *key, const struct li
 	text_printf(out, "%s %d %d %d %u\n", key, s->warps, s->groups, emit_limbs_bytes(e, s), s->most);
 }
 
+static void put_relay(const struct emission *e, struct text *out)
+{
+	const struct relay *r = e->relay;
+
+	text_printf(out, "relay %d %d %d", emit_relay_bytes(e), r->threads, r->room);
+	if (r->samples > WARP_THREADS)
+		text_printf(out, " %d", r->samples);
+	text_putc(out, '\n');
+	if (r->start_count)
+		text_printf(out, "start_parts %d\n", r->start_count);
+}
+
 /* What launches must know of the main function's kernels. */
 static void put_kernels(const struct emission *e, struct text *out)
 {
@@ -71,9 +84,7 @@ static void put_kernels(const struct emission *e, struct text *out)
 		text_put(out, "\n");
 	}
 	if (e->relay)
-		text_printf(out, "relay %d %d %d\n", emit_relay_bytes(e), e->relay->warps, e->relay->room);
-	if (e->relay && e->relay->start_count)
-		text_printf(out, "start_parts %d\n", e->relay->start_count);
+		put_relay(e, out);
 	if (emit_has_limbs(e))
 		put_limbs(e, emit_is_apart(e) ? "whole_limbs" : "limbs", emit_limbs_of(e), out);
 	if (emit_start_limbs(e))
@@ -105,14 +116,17 @@ static void put_function(const struct emission *e, const struct function *p, str
 		put_kernels(e, out);
 }
 
-/* What knows no relays, no hands, no parts of a relay's first kernel, no more than one kernel for hands, or no threads of a
-   sample, is not to launch some of the kernels alone, a part, or half of the threads. */
-enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS, VERSION_STARTS, VERSION_LEVELS, VERSION_THREADS };
+/* What knows no relays, no hands, no parts of a relay's first kernel, no more than one kernel for hands, no threads of a
+   sample, or no relay with blocks of more samples than a warp's, is not to launch some of the kernels alone, a part, half of the
+   threads, or other blocks. */
+enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS, VERSION_STARTS, VERSION_LEVELS, VERSION_THREADS, VERSION_WIDE };
 
 static int version_of(const struct emission *e)
 {
 	if (emit_each_block(e))
 		return VERSION_THREADS;
+	if (e->relay && e->relay->samples > WARP_THREADS)
+		return VERSION_WIDE;
 	if (e->relay)
 		return e->relay->start_count ? VERSION_STARTS : VERSION_RELAY;
 	if (emit_hand_levels(e) > 1)

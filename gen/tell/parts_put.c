@@ -25,10 +25,11 @@ void parts_put_table(const struct emission *e, struct text *out)
 void parts_put_json(const struct emission *e, struct text *out)
 {
 	if (e->relay)
-		text_printf(out, "  \"relay\": {\"start_flops\": %u, \"start_parts\": %d, \"values\": %d, \"columns\": %d, \"warps\": %d},\n",
+		text_printf(out, "  \"relay\": {\"start_flops\": %u, \"start_parts\": %d, \"values\": %d, \"columns\": %d, \"samples\": %d, "
+			"\"threads\": %d},\n",
 			plan_flops(plan_operations(&e->relay->start.function.plan)), e->relay->start_count ? e->relay->start_count : 1,
 			e->relay->solve.function.segments.slots[0], relay_columns(e->relay),
-			e->relay->warps);
+			e->relay->samples, e->relay->threads);
 	for (int i = 0; i < e->part_count; i++) {
 		const struct part *p = &e->parts[i];
 

@@ -35,9 +35,12 @@ enum rnea_code info_relay(struct parser *p)
 {
 	struct rnea_function *f = p->f;
 
-	if (words_number(&p->w, &f->relay_bytes, 1, GIVEN_LIMIT) || info_count(p, &f->relay_warps, 1, RELAY_LIMIT))
+	if (words_number(&p->w, &f->relay_bytes, 1, GIVEN_LIMIT) || info_count(p, &f->relay_threads, 1, RELAY_LIMIT))
 		return p->w.error->code;
-	return info_count(p, &f->relay_room, 1, ROOM_LIMIT);
+	f->relay_samples = RELAY_SAMPLES;
+	if (info_count(p, &f->relay_room, 1, ROOM_LIMIT) || p->version < VERSION_WIDE)
+		return p->w.error->code;
+	return info_count(p, &f->relay_samples, RELAY_SAMPLES, BLOCK_LIMIT / f->relay_threads);
 }
 
 enum rnea_code info_threads(struct parser *p)

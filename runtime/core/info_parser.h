@@ -6,7 +6,7 @@
 #include "core/info_table.h"
 #include "core/words.h"
 
-/* Who knows nothing of parts, of functions, of relays, of hands, or of threads of a sample must not launch a text that has
+/* Who knows nothing of parts, of functions, of relays, of hands, of threads of a sample, or of a relay's wide blocks must not launch a text that has
    them: each was a version more. */
 enum {
 	VERSION = 1,
@@ -17,7 +17,8 @@ enum {
 	VERSION_STARTS = 6,
 	VERSION_LEVELS = 7,
 	VERSION_THREADS = 8,
-	VERSION_LAST = VERSION_THREADS,
+	VERSION_WIDE = 9,
+	VERSION_LAST = VERSION_WIDE,
 	BLOCK_LIMIT = 1024,
 	PARTS_LIMIT = 65535,
 	STAGE_LIMIT = 48 << 10,
@@ -25,6 +26,7 @@ enum {
 	LIMBS_LIMIT = 16,
 	GROUPS_LIMIT = 4,
 	RELAY_LIMIT = 32,
+	RELAY_SAMPLES = 32,
 	PART_BLOCK_LIMIT = 256,
 	ARCH_LIMIT = 999,
 	TILE_ROWS_LIMIT = 256,

@@ -25,9 +25,10 @@
 	                                          of a group, given by launches; samples of a batch up to which it is faster)
 	whole_limbs WARPS GROUPS BYTES SAMPLES    (the same, where that kernel has one block along y, whatever `parts` says)
 	parts N                                   (blocks of the kernel's grid along y, 2 and more, where it has such)
-	relay BYTES WARPS ROOM                    (a launch runs NAME_FUNCTION_start_kernel before its kernel, and after it
-	                                          NAME_FUNCTION_solve_kernel, in blocks of so many warps for 32 samples, with
-	                                          shared memory given by launches; blocks beyond which more along y gain nothing)
+	relay BYTES THREADS ROOM [SAMPLES]        (a launch runs NAME_FUNCTION_start_kernel before its kernel, and after it
+	                                          NAME_FUNCTION_solve_kernel, in blocks of so many samples, 32 where no number
+	                                          stands, and threads for each, with shared memory given by launches; blocks beyond
+	                                          which more along y gain nothing)
 	start_limbs WARPS GROUPS BYTES SAMPLES    (as whole_limbs, of NAME_FUNCTION_start_limbs, which takes the first one's place)
 	start_parts N                             (blocks of the relay's first kernel along y, 2 and more, where it has such)
 
@@ -49,7 +50,7 @@
    says which the text has. core/info_old.c makes functions of that. Version 2 has `parts`, version 1 does not: who
    knows nothing of parts would launch a text of parts and leave the rest unwritten. Version 3 has no `relay`,
    version 4 has it in its first function. Version 5 has `hands` there, version 6
-   `start_parts`, version 7 more than one number of `hands`. A key that is not listed is passed
+   `start_parts`, version 7 more than one number of `hands`, version 9 SAMPLES of `relay`. A key that is not listed is passed
    over: what would change the meaning of the rest gets a new version. */
 
 #include "core/failure.h"

@@ -251,7 +251,7 @@ static enum rnea_code find_kernels(
 				k->name, s->name);
 	}
 	if (relay_find(&c->relay, &c->device, c->module, s, info->functions, c->block, e) ||
-		(c->relay.warps && check_block(&c->relay.start, c->block, e)))
+		(c->relay.threads && check_block(&c->relay.start, c->block, e)))
 		return e->code;
 	for (unsigned i = 0; i < c->relay.hand_kernels && !e->code; i++)
 		check_block(&c->relay.hands[i], c->block, e);
@@ -272,7 +272,7 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 		return e->code;
 	for (size_t i = 0; i < c->info->function_count && !e->code; i++)
 		device_launch(&c->device, &c->kernels[i], 1, 1, driver_threads(&c->info->functions[i], c->block), parameters, stream, e);
-	if (c->relay.warps && !e->code && !device_launch(&c->device, &c->relay.start, 1, 1, c->block, parameters, stream, e))
+	if (c->relay.threads && !e->code && !device_launch(&c->device, &c->relay.start, 1, 1, c->block, parameters, stream, e))
 		relay_solve(&c->relay, &c->device, parameters, 0, stream, e);
 	for (unsigned i = 0; i < c->relay.hand_kernels && !e->code; i++)
 		device_launch(&c->device, &c->relay.hands[i], 1, 1, c->block, parameters, stream, e);

@@ -45,7 +45,7 @@ enum rnea_code driver_launch(const struct driver *c, size_t function, void *cons
 	const struct rnea_function *f = &c->info->functions[function];
 	size_t n = f->input_count + f->output_count;
 	void *parameters[RNEA_ARGUMENT_LIMIT + 2];
-	int pushed, has_relay = function == 0 && c->relay.warps;
+	int pushed, has_relay = function == 0 && c->relay.threads;
 
 	/* the driver only reads through these, though it does not say so */
 	for (size_t i = 0; i < n; i++)

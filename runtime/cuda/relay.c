@@ -46,10 +46,10 @@ enum rnea_code relay_hands(const struct relay *r, const struct device *d, const 
 enum rnea_code relay_find(struct relay *r, const struct device *d, void *module, const struct source *s,
 	const struct rnea_function *f, unsigned block, struct rnea_error *e)
 {
-	r->warps = 0;
+	r->threads = 0;
 	if (find_hands(r, d, module, s, f, block, e) || r->hand_kernels)
 		return e->code;
-	if (!f->relay_warps)
+	if (!f->relay_threads)
 		return RNEA_OK;
 	if (f->relay_bytes > d->most_shared)
 		return rnea_error_set(e, RNEA_ARGUMENT,
@@ -59,7 +59,8 @@ enum rnea_code relay_find(struct relay *r, const struct device *d, void *module,
 		relay_kernel(d, module, s, f, "solve", f->relay_bytes, &r->solve, e))
 		return e->code;
 	r->solve.given_bytes = f->relay_bytes;
-	r->warps = f->relay_warps;
+	r->threads = f->relay_threads;
+	r->samples = f->relay_samples;
 	r->room = f->relay_room;
 	return RNEA_OK;
 }
@@ -67,9 +68,9 @@ enum rnea_code relay_find(struct relay *r, const struct device *d, void *module,
 enum rnea_code relay_solve(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,
 	struct rnea_error *e)
 {
-	unsigned groups = device_blocks(count, RELAY_LANES), along = r->room / groups,
+	unsigned groups = device_blocks(count, r->samples), along = r->room / groups,
 		 most = groups <= FEW_GROUPS ? MOST_ALONG_FEW : MOST_ALONG;
 
 	along = along > most ? most : along ? along : 1;
-	return device_launch(d, &r->solve, groups, along, RELAY_LANES * r->warps, parameters, stream, e);
+	return device_launch(d, &r->solve, groups, along, r->threads * r->samples, parameters, stream, e);
 }

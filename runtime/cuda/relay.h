@@ -6,13 +6,11 @@
 #include "cuda/device.h"
 #include "rnea.h"
 
-/* Samples of a block of the third kernel: a lane of each of its warps has one. */
-enum { RELAY_LANES = 32 };
-
 struct relay {
 	struct device_kernel start, solve;
-	unsigned warps; /* of a block of the third; 0: there is no relay */
-	unsigned room;  /* blocks of the third beyond which more along y gain nothing */
+	unsigned threads; /* of the third, for each sample; 0: there is no relay */
+	unsigned samples; /* of a block of the third */
+	unsigned room;    /* blocks of the third beyond which more along y gain nothing */
 	struct device_kernel hands[RNEA_HANDS_LIMIT];
 	unsigned hand_kernels; /* so many are there */
 };

@@ -143,7 +143,8 @@ START_TEST(reads_functions)
 	ck_assert(f[1].input_count == 1 && f[1].output_count == 1 && f[1].arguments[1].role == RNEA_ROLE_UNKNOWN);
 	ck_assert(f[0].limbs.warps == 0 && f[0].limbs.most == 0);
 	ck_assert(f[1].limbs.warps == 4 && f[1].limbs.groups == 2 && f[1].limbs.bytes == 1408 && f[1].limbs.most == 4096);
-	ck_assert(f[0].relay_warps == 0 && f[1].relay_warps == 3 && f[1].relay_room == 264 && f[1].relay_bytes == 49664);
+	ck_assert(f[0].relay_threads == 0 && f[1].relay_threads == 3 && f[1].relay_samples == 32 && f[1].relay_room == 264 &&
+		  f[1].relay_bytes == 49664);
 	ck_assert(f[0].hands[0] == 0 && f[1].hands[0] == 3 && f[1].hands[1] == 0);
 	ck_assert(f[0].start_limbs.warps == 0 && f[1].start_limbs.warps == 8 && f[1].start_limbs.groups == 1);
 	ck_assert(f[1].start_limbs.bytes == 520 && f[1].start_limbs.most == 32);
@@ -220,8 +221,8 @@ static const struct damage {
 	{"rneagen-info\n", "line 1: a number is missing"},
 	{"rneagen-info one\n", "line 1: not a number: \"one\""},
 	{"rneagen-info 1 2\n", "line 1: more than expected: \"2\""},
-	{"rneagen-info 0\n", "it has version 0, and this library reads versions 1 to 8"},
-	{"rneagen-info 9\n", "it has version 9, and this library reads versions 1 to 8"},
+	{"rneagen-info 0\n", "it has version 0, and this library reads versions 1 to 9"},
+	{"rneagen-info 10\n", "it has version 10, and this library reads versions 1 to 9"},
 	{THREE, "it lists no functions"},
 	{"rneagen-info 3\nfunction\n", "line 2: a word is missing"},
 	{"rneagen-info 3\nfunction a b\n", "line 2: more than expected: \"b\""},
@@ -277,6 +278,10 @@ static const struct damage {
 	{"rneagen-info 4\nfunction f\nrelay 8 33 1\n", "line 3: the number is out of range"},
 	{"rneagen-info 4\nfunction f\nrelay 8 1 0\n", "line 3: the number is out of range"},
 	{"rneagen-info 4\nfunction f\nrelay 8 1\n", "line 3: a number is missing"},
+	{"rneagen-info 8\nfunction f\nrelay 8 1 1 64\n", "line 3: more than expected: \"64\""}, /* since version 9 */
+	{"rneagen-info 9\nfunction f\nrelay 8 1 1\n", "line 3: a number is missing"},
+	{"rneagen-info 9\nfunction f\nrelay 8 1 1 31\n", "line 3: the number is out of range"},
+	{"rneagen-info 9\nfunction f\nrelay 8 4 1 257\n", "line 3: the number is out of range"}, /* blocks have 1024 threads at most */
 	{"rneagen-info 4\nfunction f\nstart_limbs 4 5 0 1\n", "line 3: the number is out of range"},
 	{"rneagen-info 5\nfunction f\nhands 0\n", "line 3: the number is out of range"},
 	{"rneagen-info 6\nfunction f\nhands 3 2\n", "line 3: more than expected: \"2\""}, /* since version 7 */

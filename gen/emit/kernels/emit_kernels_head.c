@@ -11,8 +11,9 @@ static void put_relay(const struct emission *e, struct text *out)
 
 	text_printf(out, " * %s_%s_launch runs three kernels: %s_%s_start_kernel finds qdd,\n"
 		" * %s_%s_kernel leaves -d tau where the gradients belong,\n"
-		" * %s_%s_solve_kernel makes them of it by the factors of M; for 32 samples a block, warps: %d.\n",
-		name, function, name, function, name, function, name, function, e->relay->warps);
+		" * %s_%s_solve_kernel makes them of it by the factors of M; a block has %d samples, threads for each: %d.\n",
+		name, function, name, function, name, function, name, function, e->relay->samples,
+		e->relay->threads);
 	if (e->relay->start_count)
 		text_printf(out, " * The grid of the first has %d blocks along y, each for limbs that share nothing with the others.\n",
 			e->relay->start_count);

@@ -130,7 +130,7 @@ static const char *solve_call(const struct emission *e)
 	struct text arguments;
 
 	text_init(&arguments, e->arena);
-	text_printf(&arguments, "%s, across, 32", emit_params(e, solve_of(e), PARAMS_AT_SAMPLE));
+	text_printf(&arguments, "%s, across, RNEA_SOLVE_SAMPLES", emit_params(e, solve_of(e), PARAMS_AT_SAMPLE));
 	const struct call c = {.indent = "\t\t", .arguments = text_string(&arguments), .q = emit_q_at_sample(e),
 		.stride = emit_stride(e)};
 
@@ -144,7 +144,8 @@ void emit_relay_solve(const struct emission *e, struct text *out)
 		{"RESULT", emit_has_known(e) ? "int" : "void"}, {"RETURN", emit_has_known(e) ? "return " : ""},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
 		{"KNOWN_PARAM", emit_known_params(e)}, {"KNOWN", emit_handed_on(e, emit_known_names(e))},
-		{"WARPS", emit_int(e, e->relay->warps)}, {"BYTES", emit_int(e, emit_relay_bytes(e))}, {"BLOCKS", emit_int(e, e->relay->blocks)},
+		{"THREADS", emit_int(e, e->relay->threads)}, {"SAMPLES", emit_int(e, e->relay->samples)},
+		{"BYTES", emit_int(e, emit_relay_bytes(e))}, {"BLOCKS", emit_int(e, e->relay->blocks)},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", solve_call(e)}, {"LOOPS", loops_text(e)}};
 
 	template_expand(out, template_kernel_solve_in, slots, sizeof slots / sizeof *slots);

@@ -14,9 +14,10 @@
    first kernel had parts; g1_29dof 35.9, 37.0, 121, 6.45, 14 s, and 28.3, 38.6, 108, 4.11, 7 s. Nothing smaller was tried. */
 enum { LEAST_OPERATIONS = 12000 };
 
-/* Multiprocessors (H100), shared memory of each; warps of 255 registers that it has room for; blocks that gain nothing from more
-   beside them in f64; shared memory that a block may have on all GPUs since sm_80. */
-enum { MULTIPROCESSORS = 132, MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, DOUBLE_BLOCKS = 4, BLOCK_BYTES = 99 << 10 };
+/* Multiprocessors (H100), shared memory of each; warps of 255 and of 168 registers that it has room for; blocks that gain nothing
+   from more beside them in f64; shared memory that a block may have on all GPUs since sm_80. */
+enum { MULTIPROCESSORS = 132, MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, WARPS_SHORT = 12, DOUBLE_BLOCKS = 4,
+	BLOCK_BYTES = 99 << 10 };
 
 /* Values at once of a part of the first kernel in f64, beyond which segments serve better. H100, both gradients, the first kernel
    whole and in parts, us, in brackets values in a part: f64, 1024, 4096 and 262144 samples: atlas (206) 45.6 48.6, 95 97, 2588
@@ -167,23 +168,47 @@ static int build(struct relay *r, const struct dag *raw, struct dag *columns, co
 
 int relay_bytes(const struct relay *r, const struct rneagen_options *o)
 {
-	return r->solve.function.segments.slots[0] * stage_number_bytes(o) * WARP_THREADS;
+	return r->solve.function.segments.slots[0] * stage_number_bytes(o) * r->samples;
 }
 
-/* As many warps as keep the registers of a multiprocessor busy, where shared memory has room for few blocks. Each block makes
-   the factors anew, and blocks along y beyond those that run at once wait (H100, 1024 samples, us, 8, 16 and 32 along y, of which
-   24 have room: atlas in f64 52.3, 49.7 and 58.7; 4096 samples, 4 and 6: 80.7 and 88.5; where 8 have room, floating atlas in f64:
-   168, with 16 222). */
+/* Blocks of the third kernel for which a multiprocessor's shared memory has room; each takes 1 KiB more. */
+static int fitting(const struct relay *r, const struct rneagen_options *o)
+{
+	return MULTIPROCESSOR_BYTES / (relay_bytes(r, o) + 1024);
+}
+
+/* Blocks of a small batch beyond which more along y gain nothing: each makes the factors anew, and those that do not run at once
+   wait. H100, 1024 samples, us, 8, 16 and 32 along y, of which 24 have room: atlas in f64 52.3, 49.7 and 58.7; 4096 samples, 4 and
+   6: 80.7 and 88.5; where 8 have room, floating atlas in f64: 168, with 16 222. H200, 4096 samples, 8 and 12 along y of 64 samples
+   each: atlas in f32 48.9 and 53.0, g1_29dof 44.0 and 47.8; 2 and 4 with two threads for each sample: atlas in f64 76.9 and 79.5. */
+static int side_by_side(const struct relay *r, const struct rneagen_options *o)
+{
+	int fit = fitting(r, o), most = WARPS * WARP_THREADS / (r->threads * r->samples);
+
+	if (o->precision == RNEAGEN_F64)
+		most = r->threads > 1 ? DOUBLE_BLOCKS / 2 : DOUBLE_BLOCKS;
+	return fit < most ? fit : most;
+}
+
+/* As many warps as registers have room for. Where shared memory has room for the factors of fewer warps, several threads share a
+   sample's columns. In f32, where it has room for those of WARPS_SHORT, the factors of M take no more than 168 registers, and blocks
+   of two warps' samples read and write longer pieces of rows. H200, ps for each of a million samples, with a thread for each sample in
+   blocks of a warp, and so: floating g1_29dof in f32 14710 and 12400, floating atlas 13390 and 12740, in f64 atlas 7810 and 7560,
+   g1_29dof 7290 and 7050, floating hyq 3780 and 3860 (16384 samples, us: 89 and 82); and with two warps' samples, in f32 atlas 3880
+   and 3270, of them by 8 warps 3680, by 12 in blocks of one 3750, of four 3350; g1_29dof 3580 and 3320, floating hyq 2230 and 1900. */
 static void set_grid(struct relay *r, const struct rneagen_options *o)
 {
-	int bytes = relay_bytes(r, o), fit = MULTIPROCESSOR_BYTES / (bytes + 1024);
-	int most = o->precision == RNEAGEN_F64 && fit > DOUBLE_BLOCKS ? DOUBLE_BLOCKS : fit;
+	r->samples = 2 * WARP_THREADS;
+	int is_wide = o->precision == RNEAGEN_F32 && 2 * fitting(r, o) >= WARPS_SHORT;
 
-	r->warps = bytes > BLOCK_BYTES ? 0 : fit > WARPS ? 1 : WARPS / fit;
-	if (!r->warps)
+	if (!is_wide)
+		r->samples = WARP_THREADS;
+	if (relay_bytes(r, o) > BLOCK_BYTES)
 		return;
-	r->blocks = WARPS / r->warps;
-	r->room = MULTIPROCESSORS * (most < r->blocks ? most : r->blocks);
+	for (r->threads = 1; !is_wide && r->threads * fitting(r, o) < WARPS; r->threads *= 2)
+		;
+	r->blocks = is_wide ? WARPS_SHORT / 2 : WARPS / r->threads;
+	r->room = MULTIPROCESSORS * side_by_side(r, o);
 }
 
 /* Each loop has a segment of its own, which reads nothing but columns and what goes across; and there are columns. */
@@ -216,7 +241,7 @@ static struct relay *make(struct dag *columns, const struct parts_of *x, struct 
 	}
 	if (is_closed(r))
 		set_grid(r, x->options);
-	return r->warps ? r : NULL;
+	return r->threads ? r : NULL;
 }
 
 enum rneagen_code relay_or_parts(struct relay **relay, struct part **parts, int *count, const struct parts_of *x, struct arena *a,
@@ -288,8 +313,9 @@ void relay_dump(const struct relay *r, struct text *out)
 	add_solve(&solve, &r->solve.function);
 	text_printf(out, "start: %u flops, %d values at once, parts: %d\n", plan_flops(plan_operations(&r->start.function.plan)),
 		r->start_count ? parts_alive(r->starts, r->start_count) : r->start.alive, r->start_count ? r->start_count : 1);
-	text_printf(out, "solve: %u flops, %d values for %d loops over %d columns, %d warps\n", plan_flops(solve),
-		r->solve.function.segments.slots[0], r->solve.function.dag.loop_count, relay_columns(r), r->warps);
+	text_printf(out, "solve: %u flops, %d values for %d loops over %d columns, %d threads for each of %d samples\n", plan_flops(solve),
+		r->solve.function.segments.slots[0], r->solve.function.dag.loop_count, relay_columns(r), r->threads,
+		r->samples);
 }
 
 int relay_limbs(struct relay *r, const struct request *k, const struct rneagen_options *o, struct arena *a)

@@ -11,7 +11,8 @@ struct relay {
 	struct part *starts;    /* start_count of them: the first kernel in parts that share nothing (apart.h); 0: it is whole */
 	int start_count;
 	struct function between;    /* all parts of the second kernel together */
-	int warps;              /* of a block of the third kernel, for 32 samples */
+	int samples;            /* of a block of the third kernel: a warp's, or of two warps */
+	int threads;            /* for each of these samples; they share its columns */
 	int blocks;             /* of them, a multiprocessor is to have room for so many */
 	int room;               /* so many share the columns of small batches at most */
 };

@@ -152,7 +152,7 @@ START_TEST(test_values)
 	run_parts(s, &broken, &x);
 	ck_assert_uint_eq(x.info->functions->part_kernels, LEAST);
 	/* a relay's third kernel would solve with what is not there */
-	if (!x.info->functions->relay_warps && !x.info->functions->hands[0]) {
+	if (!x.info->functions->relay_threads && !x.info->functions->hands[0]) {
 		check_other(s, &broken, LEAST - 1);
 		check_other(s, &broken, COUNT + 1); /* rows begin anywhere */
 	}
