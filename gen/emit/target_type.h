@@ -12,6 +12,7 @@ struct kernel_frames {
 	const char *parts, *apart;                    /* the body that is in parts; the kernel of parts that share nothing */
 	const char *spill;                            /* what gives registers more room; at the head of a kernel of derivatives */
 	const char *slices, *stage, *stage_aos, *stage_launch; /* shared memory: declared, filled, and given by a launch */
+	const char *stage_start; /* of a relay's first kernel */
 	const char *stage_rows_aos, *stage_join, *stage_join_threads; /* filled with some rows of each sample; three slices made one */
 	const char *stage_copy, *stage_bulk, *stage_come; /* how it is filled: by threads, by a copy engine; when it is */
 	const char *store, *store_tiles, *windows;    /* what RNEA_STORE means, and where to a tile; RNEA_HOLD and RNEA_FLUSH */

@@ -9,7 +9,7 @@ static const struct kernel_frames KERNEL_CUDA = {.direct = template_kernel_soa_i
 	.spill = template_spill_in, .slices = template_slices_in, .stage = template_stage_in,
 	.stage_aos = template_stage_aos_in, .stage_rows_aos = template_stage_rows_aos_in, .stage_join = template_stage_join_in,
 	.stage_join_threads = template_stage_join_threads_in,
-	.stage_launch = template_stage_launch_in,
+	.stage_launch = template_stage_launch_in, .stage_start = template_stage_start_in,
 	.stage_copy = template_stage_copy_in, .stage_bulk = template_stage_bulk_in, .stage_come = template_stage_come_in,
 	.windowed = template_kernel_windowed_in, .windows = template_windows_in,
 	.store = template_store_in, .store_tiles = template_store_tiles_in, .prefetch = template_prefetch_in,

@@ -1,6 +1,7 @@
 #include "base/fold.h"
 #include "emit/kernels/emit_kernel.h"
 #include "emit/kernels/emit_limbs.h"
+#include "emit/kernels/emit_relay.h"
 #include "emit/unparse.h"
 #include "plan/readings.h"
 #include "plan/tiles/tiles.h"
@@ -198,10 +199,16 @@ static void put_stored(const struct unparser *u, struct ref value, struct text *
 	text_put(out, is_splat ? ")" : "");
 }
 
+/* What a relay's first kernel writes the next one reads, and it may stand in a slice. */
+static int is_streamed(const struct unparser *u)
+{
+	return emit_is_streamed(u->emission) && !emit_is_start(u->emission, u->function);
+}
+
 static void put_store(const struct unparser *u, size_t output, struct text *out)
 {
 	const struct output *o = &u->plan->dag->outputs[output];
-	int slot = slot_of(u, output), is_call = slot >= 0 || (!u->numbers->is_beside && emit_is_streamed(u->emission));
+	int slot = slot_of(u, output), is_call = slot >= 0 || (!u->numbers->is_beside && is_streamed(u));
 
 	if (u->numbers->is_beside) {
 		text_printf(out, "bound[%d]", unparse_first_bound(u->plan->dag, o->argument) + o->row);

@@ -12,6 +12,8 @@ const char *emit_min_blocks(const struct emission *e);
    one's. */
 int emit_is_staged(const struct emission *e);
 int emit_stage_words(const struct emission *e);
+/* Words of a sample in the slices of a relay's first kernel; 0: it reads the arrays themselves. */
+int emit_start_words(const struct emission *e);
 int emit_slice_bytes(const struct emission *e);
 int emit_pitch(const struct emission *e, int rows);
 

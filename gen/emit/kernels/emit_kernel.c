@@ -141,7 +141,7 @@ static void put_work(const struct emission *e, const struct work *w, struct text
 		{"HEAD", head_text(e, w)}, {"NAME", e->options->name}, {"FUNCTION", w->function->algorithm->name}, {"T", e->memory->type},
 		{"SPILL", emit_spill(e)}, {"ZEROS", zeros_text(e, w->function)},
 		{"CALL", kernel_call(e, w, &s)}, {"PREFETCH", prefetch_text(e, w->function)},
-		{"DECLARATION", w->part ? "" : emit_slices_declaration(e)},
+		{"DECLARATION", w->part ? "" : emit_slices_declaration(e, emit_stage_words(e))},
 		{"SLICES", s.slices}, {"POINTERS", s.pointers}, {"MOVE_IN", s.move_in}, {"MOVE_OUT", s.move_out}, {"JOIN", s.join},
 		{"IN_PLACE", in_place_text(e, w->part)}, {"BLOCK", has_threads ? "RNEA_BLOCK" : "blockDim.x"},
 		{"SAMPLE", has_threads ? ", sample = threadIdx.x%RNEA_BLOCK" : ""},
@@ -185,7 +185,8 @@ void emit_alone_kernel(const struct emission *e, int part, struct text *out)
 /* A kernel of parts that share nothing, named after a function. */
 struct apart {
 	const struct part *parts;
-	int count, is_staged, is_alone; /* is_alone: the parts have kernels of their own too, with what asks for angles */
+	int count, words, is_alone; /* words: which it stages of a sample; is_alone: the parts have kernels of their own too, with what
+				       asks for angles */
 	const char *function, *kernel, *what, *bounds;
 };
 
@@ -208,17 +209,17 @@ static void put_apart(const struct emission *e, const struct apart *x, struct te
 
 	text_init(&cases, e->arena);
 	for (int i = 0; i < x->count; i++) {
-		const struct work w = {&x->parts[i].function, &x->parts[i], x->is_staged, NULL};
+		const struct work w = {&x->parts[i].function, &x->parts[i], x->words > 0, NULL};
 
 		if (!x->is_alone)
 			emit_part_small(e, &x->parts[i], out);
 		put_work(e, &w, out);
 		text_printf(&cases, "\tcase %d:\n\t\t%s_%s_block(%s, count%s);\n\t\tbreak;\n", i, name, w.function->algorithm->name,
-			emit_params(e, w.function, PARAMS_NAMES), x->is_staged ? ", slices, staged" : "");
+			emit_params(e, w.function, PARAMS_NAMES), x->words ? ", slices, staged" : "");
 	}
 	const struct slot slots[] = {{"NAME", name}, {"FUNCTION", x->function}, {"KERNEL", x->kernel}, {"WHAT", x->what},
 		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"BOUNDS", x->bounds},
-		{"DECLARATION", x->is_staged ? emit_slices_declaration(e) : ""}, {"COUNT", emit_int(e, x->count)},
+		{"DECLARATION", x->words ? emit_slices_declaration(e, x->words) : ""}, {"COUNT", emit_int(e, x->count)},
 		{"CASES", text_string(&cases)}, {"THREADS", emit_each_threads(e)},
 		{"WRONG", wrong_text(e, x->count)},
 		{"TRAP", emit_each_block(e) ? "blocks have RNEA_BLOCK*RNEA_SAMPLE_THREADS threads, and a grid one row" :
@@ -231,7 +232,7 @@ static const char SHARE_NOTHING[] = "Parts that share nothing";
 
 static void put_both(const struct emission *e, struct text *out)
 {
-	struct apart x = {.parts = e->parts, .is_staged = emit_is_staged(e), .is_alone = emit_alone_least(e) > 0,
+	struct apart x = {.parts = e->parts, .words = emit_is_staged(e) ? emit_stage_words(e) : 0, .is_alone = emit_alone_least(e) > 0,
 		.function = emit_main(e)->algorithm->name, .bounds = ", RNEA_MIN_BLOCKS",
 		.what = "Hands, each a part; a launch runs this kernel before the one that reads what they hand on"};
 
@@ -251,7 +252,8 @@ static void put_both(const struct emission *e, struct text *out)
 static void put_starts(const struct emission *e, struct text *out)
 {
 	const struct apart starts = {.parts = e->relay->starts, .count = e->relay->start_count,
-		.function = e->relay->start.function.algorithm->name, .kernel = "kernel", .bounds = "", .what = SHARE_NOTHING};
+		.function = e->relay->start.function.algorithm->name, .kernel = "kernel", .bounds = "", .what = SHARE_NOTHING,
+		.words = emit_start_words(e)};
 
 	put_apart(e, &starts, out);
 }
@@ -338,6 +340,14 @@ static void put_stage_aos(const struct emission *e, const struct slot *slots, si
 		template_expand(out, emit_each_block(e) ? f->stage_join_threads : f->stage_join, slots, count);
 }
 
+static void put_stage_start(const struct emission *e, struct text *out)
+{
+	const struct slot slots[] = {{"BYTES", emit_int(e, emit_start_words(e) * e->memory->bytes)},
+		{"COPY", e->target->kernel->stage_copy}};
+
+	template_expand(out, e->target->kernel->stage_start, slots, sizeof slots / sizeof *slots);
+}
+
 const char *emit_stage(const struct emission *e)
 {
 	const struct kernel_frames *f = e->target->kernel;
@@ -350,6 +360,8 @@ const char *emit_stage(const struct emission *e)
 		template_expand(&t, f->prefetch, slots, sizeof slots / sizeof *slots);
 	if (f && emit_is_staged(e))
 		template_expand(&t, f->stage, slots, sizeof slots / sizeof *slots);
+	if (f && emit_start_words(e))
+		put_stage_start(e, &t);
 	if (f && emit_is_staged(e) && e->options->layout == RNEAGEN_AOS)
 		put_stage_aos(e, slots, sizeof slots / sizeof *slots, &t);
 	return text_string(&t);

@@ -23,6 +23,16 @@ static int slots_of(const struct function *p)
 	return p->segments.slots[0] ? p->segments.slots[0] : 1;
 }
 
+int emit_is_start(const struct emission *e, const struct function *p)
+{
+	if (!e->relay)
+		return 0;
+	for (int i = 0; i < e->relay->start_count; i++)
+		if (p == &e->relay->starts[i].function)
+			return 1;
+	return p == start_of(e);
+}
+
 int emit_relay_bytes(const struct emission *e)
 {
 	return relay_bytes(e->relay, e->options);

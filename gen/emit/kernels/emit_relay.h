@@ -13,4 +13,7 @@ const char *emit_launch_head(const struct emission *e);
 const char *emit_launch_relay(const struct emission *e);
 int emit_relay_bytes(const struct emission *e);
 
+/* Is it the first kernel's, or of a part of it? */
+int emit_is_start(const struct emission *e, const struct function *p);
+
 #endif

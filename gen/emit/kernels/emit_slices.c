@@ -313,9 +313,9 @@ struct slices emit_slices(const struct emission *e, const struct stretches *s, c
 		is_aos ? moves_text(e, s, 1, put_slice_out) : move_samples(e, s, 1), is_aos ? join_text(e, s) : ""};
 }
 
-const char *emit_slices_declaration(const struct emission *e)
+const char *emit_slices_declaration(const struct emission *e, int words)
 {
-	const struct slot slots[] = {{"T", e->memory->type}, {"WORDS", emit_int(e, emit_stage_words(e))}};
+	const struct slot slots[] = {{"T", e->memory->type}, {"WORDS", emit_int(e, words)}};
 	struct text t;
 
 	text_init(&t, e->arena);

@@ -18,6 +18,7 @@ struct slices emit_slices(const struct emission *e, const struct stretches *s, c
 int emit_slot(const struct stretches *s, const struct dag *d, int argument, int k);
 int emit_divided_slot(const struct stretches *s);
 
-const char *emit_slices_declaration(const struct emission *e);
+/* Of so many words for each sample. */
+const char *emit_slices_declaration(const struct emission *e, int words);
 
 #endif

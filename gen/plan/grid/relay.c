@@ -19,12 +19,11 @@ enum { LEAST_OPERATIONS = 12000 };
 enum { MULTIPROCESSORS = 132, MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, WARPS_SHORT = 12, DOUBLE_BLOCKS = 4,
 	BLOCK_BYTES = 99 << 10 };
 
-/* Values at once of a part of the first kernel in f64, beyond which segments serve better. H100, both gradients, the first kernel
-   whole and in parts, us, in brackets values in a part: f64, 1024, 4096 and 262144 samples: atlas (206) 45.6 48.6, 95 97, 2588
-   2517; 2048, 4096 and 262144: g1_29dof (179) 81 72, 119 105, 3495 3148. f32, 256, 1024, 4096 and 262144:
-   atlas 30.2 27.4, 35.9 32.6, 46.4 43.1, 1221 1233, with a part more of the second kernel too;
-   g1_29dof 33.1 27.9, 38.3 32.8, 50.7 44.7, 1209 1204. */
-enum { START_ALIVE_DOUBLE = 190 };
+/* Values at once of a part of the first kernel in f64, beyond which its limbs serve more samples than beside other parts, and how
+   many. H200, both gradients, us, the first kernel in segments, in parts, and by limbs; in brackets values in a part: 64, 1024, 2048 and
+   4096 samples: atlas (206) 39.2 43.2 38.9, 50.0 52.4 50.1, 61.4 63.5 62.0, 75.5 81.0 79.2; g1_29dof (179) in parts unstaged, staged, and
+   by limbs 43.6 39.1 40.2, 55.3 51.3 55.8, 64.3 59.3 66.8, 78.1 75.4 80.9. */
+enum { START_ALIVE_DOUBLE = 190, START_MOST = 2048 };
 
 /* Which kernel writes an output. */
 enum { START, COLUMNS, SOLVE, KERNELS };
@@ -98,8 +97,6 @@ static int divide_start(
 
 	if (raw && !apart_make(&r->starts, &r->start_count, &own, a))
 		return 0;
-	if (x->options->precision == RNEAGEN_F64 && parts_alive(r->starts, r->start_count) > START_ALIVE_DOUBLE)
-		r->start_count = 0;
 	return r->start_count || segments_choose(&r->start.function, SEGMENT_KERNEL, alone, x->options, a);
 }
 
@@ -326,5 +323,7 @@ int relay_limbs(struct relay *r, const struct request *k, const struct rneagen_o
 		return 0;
 	if (r->start_count)
 		limbs_beside_parts(&start->limbs, r->start_count, k, o);
+	if (o->precision == RNEAGEN_F64 && parts_alive(r->starts, r->start_count) > START_ALIVE_DOUBLE)
+		start->limbs.most = START_MOST;
 	return 1;
 }
