@@ -164,7 +164,7 @@ static void decide(const struct choosing *k, int joint)
 
 	if (k->r->joints[joint].type == JOINT_FIXED)
 		return;
-	if (k->has_tips && k->cuts && !k->chain[joint] && !k->locked[joint]) {
+	if (k->has_tips && k->cuts && !k->chain[joint] && !k->locked[c->leader]) {
 		c->state = SELECTION_GONE;
 		return;
 	}

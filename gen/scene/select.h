@@ -30,9 +30,9 @@ struct selection {
 	char *freed;           /* by link: its mass or inertia is an input */
 };
 
-/* A joint on a chain that follows another brings that joint's chain with it; one that follows a joint outside of the
-   subtree is held where that joint is held, at zero if nothing else is said. A joint that the scene locks must be modelled,
-   or be followed by one that is. Errors: SCENE, MEMORY. */
+/* A follower on a chain brings the chain of its leader with it; one whose leader is outside of the subtree is held where
+   the leader is held, at zero if nothing else is said. A joint that the scene locks, and its followers, are not cut away
+   beside a chain. A joint that the scene locks must be modelled, or be followed by one that is. Errors: SCENE, MEMORY. */
 enum rneagen_code scene_select(struct selection *c, const struct scene *s, const struct robot *r, enum rneagen_mimic mimic,
 	struct arena *a, struct rneagen_error *e);
 

@@ -57,7 +57,9 @@ static const struct left {
 	{arm, "tip hand\nbeside drop",
 		"shoulder elbow wrist || a,b head left right thing; follow free grip neck x=y,z"},
 	{arm, "tip hand\nbeside drop\nlock grip=0.5",
-		"shoulder elbow wrist | grip=0.5 lock | a,b head right thing; follow free neck x=y,z"},
+		"shoulder elbow wrist | follow=-0.25 mimic grip=0.5 lock | a,b head thing; free neck x=y,z"},
+	{arm, "tip upper\nbeside drop\nlock x=y,z=1",
+		"shoulder | x=y,z=1 lock | fore hand head left right thing; elbow follow free grip neck wrist"},
 	{arm, "tip right\nbeside drop", "shoulder elbow wrist follow' grip || a,b head thing; free neck x=y,z"},
 	{arm, "tip left",
 		"shoulder elbow wrist follow' grip | neck=0,0,0 beside free=0,0,0,0,0,0,1 beside x=y,z=0 beside |"},
@@ -72,6 +74,7 @@ static const struct left {
 		"a,b base head plate; neck shoulder x=y,z"},
 	{chains, "tip l1", "a' m n z' | o=0 beside |"},
 	{chains, "tip l1\nbeside drop", "a' m n z' || l5; o"},
+	{chains, "tip l3\nbeside drop\nlock m=2", "a' n | m=2 lock z=4 mimic | l5; o"},
 	{chains, "root l2", "m || base l1 l4 l5; a n o z"},
 	{chains, "lock n=2", "m o z' | a=7 mimic n=2 lock |"},
 };
