@@ -1,6 +1,7 @@
 """What is tested of PyTorch's tensors on the processor and on a GPU alike. `device` is set by the test."""
 import os
 import tempfile
+import warnings
 
 os.environ.setdefault("TORCHINDUCTOR_CACHE_DIR", os.path.join(tempfile.gettempdir(), f"rneagen_inductor_{os.getuid()}"))
 
@@ -518,6 +519,10 @@ def case_refusals():
     refused(TypeError, ["qd", "NumPy", "PyTorch"], robot, q, qd.cpu().numpy(), qdd)
     refused(TypeError, ["qd", "PyTorch", "NumPy"], robot, q.cpu().numpy(), qd, qdd)
     refused(TypeError, ["qdd", "missing"], robot, q, qd)
+    for call in (robot, load("iiwa14", free=["gravity"]), robot.rnea, robot.bind):
+        refused(TypeError, ["qd is missing", "q, qd, qdd"], call, q, None, qdd)
+        refused(TypeError, ["qdd is missing"], call, q.clone().requires_grad_(), qd, None)
+    refused(TypeError, ["qd is missing"], torch.func.vmap(lambda x: robot(x, None, qdd[0])), q)
     refused(TypeError, ["qddd", "qdd"], robot, q, qd, qddd=qdd)
     refused(ValueError, ["out", "tau", "(6, 6)"], robot, q, qd, qdd, out=q[:, :6].contiguous())
     refused(ValueError, ["out", "overlaps", "qdd"], robot, q, qd, qdd, out=qdd)
@@ -532,6 +537,22 @@ def case_refusals():
     refused(TypeError, ["mujoco"], load("cartpole", base="floating", convention="mujoco"),
             *tensors(load("cartpole", base="floating"), 2))
     refused(TypeError, ["float64", "float32"], load("iiwa14", precision="f32"), q, qd, qdd)
+
+
+def case_dense():
+    """What PyTorch stores in other ways names the argument, in the plain call and in those with gradients."""
+    robot = load("iiwa14")
+    q, qd, qdd = tensors(robot, 2)
+    with warnings.catch_warnings(action="ignore"):  # PyTorch calls them a beta
+        nested = [torch.nested.nested_tensor([qd[0], qd[1]], layout=layout) for layout in (torch.strided, torch.jagged)]
+        sparse = [qd.to_sparse(), qd.to_sparse_csr()]
+    for x in (*sparse, *nested):
+        words = ["nested" if x.is_nested else "sparse", "nested" if x.is_nested else "to_dense()"]
+        for call in (robot, robot.bind, robot.want("tau", "M")):
+            refused(TypeError, ["qd: ", *words], call, q, x, qdd)
+            refused(TypeError, ["q: ", *words], call, x, qd, qdd)
+        refused(TypeError, ["qd: ", *words], robot, q.clone().requires_grad_(), x, qdd)
+        refused(TypeError, ["out: ", *words], robot, q, qd, qdd, out=x)
 
 
 def named():

@@ -179,6 +179,15 @@ class Operator:
             self.plans[like.shape, like.dtype, like.get_device()] = plan
         return plan
 
+    def prepared(self, given: Sequence[Tensor | None]) -> tuple[Sequence[Tensor | None], "Plan"]:
+        """The same in one piece each, and the plan for them. What is not dense fails in PyTorch, and is then explained."""
+        try:
+            tensors = self.one_piece(given)
+            return tensors, self.planned(tensors)
+        except RuntimeError:
+            check_dense(names_of(self.robot), given)
+            raise
+
     def complete(self, plan: "Plan", tensors: Sequence[Tensor | None]) -> tuple[Tensor, ...]:
         """With what was left out."""
         for x in tensors:
@@ -203,8 +212,7 @@ class Operator:
                                  f"tensor that has")
 
     def run(self, *given: Tensor | None):
-        tensors = self.one_piece(given)
-        plan = self.planned(tensors)
+        tensors, plan = self.prepared(given)
         inputs = self.complete(plan, tensors)
         if plan.alike >= 0:  # faster than by its shape
             made = torch.empty_like(inputs[plan.alike])
@@ -216,14 +224,14 @@ class Operator:
 
     def check_given(self, tensors: Sequence[Tensor | None], outputs: Sequence[Tensor]) -> tuple["Plan", tuple[Tensor, ...]]:
         """The plan, and all tensors."""
-        plan = self.planned(tensors)
+        tensors, plan = self.prepared(tensors)
         inputs = self.complete(plan, tensors)
         self.check_out(inputs, plan.made, outputs)
         return plan, (*inputs, *outputs)
 
     def run_out(self, *tensors: Tensor | None) -> None:
         given: Any = tensors[len(self.inputs):]
-        plan, every = self.check_given(self.one_piece(tensors[:len(self.inputs)]), given)
+        plan, every = self.check_given(tensors[:len(self.inputs)], given)
         self.launch(plan, every)
         _increment_version(given)  # who has kept them for a gradient is told
 
@@ -281,7 +289,15 @@ def check_tensor(name: str, x: Tensor, first: str, like: Tensor) -> None:
         raise ValueError(f"{name}: it is on {x.device}, and {first} on {like.device}")
 
 
+def check_dense(names: Sequence[str], tensors: Sequence[Tensor | None]) -> None:
+    for name, x in zip(names, tensors):
+        if x is not None and (x.layout != torch.strided or x.is_nested):
+            made = f"torch.stack({name}.unbind())" if x.is_nested else f"{name}.to_dense()"
+            raise TypeError(f"{name}: a {'nested' if x.is_nested else x.layout} tensor; {made} is a plain one")
+
+
 def check_pieces(name: str, x: Tensor) -> None:
+    check_dense([name], [x])
     if not x.is_contiguous():
         raise ValueError(f"{name}: it is not contiguous in C order; {name}.contiguous() makes a copy that is")
 

@@ -26,7 +26,7 @@ from torch import Tensor
 from torch.autograd import forward_ad
 
 from . import _arrays, _robot
-from ._torch_operator import Operator, is_plain, lock, names_of
+from ._torch_operator import Operator, check_dense, is_plain, lock, names_of
 
 HALVES = (torch.float16, torch.bfloat16)
 _operators: dict[str, Operator] = {}
@@ -61,6 +61,7 @@ def function_for(robot, tensors: Sequence[Any], is_out: bool):
         refuse_gradient("a call with out=", robot, tensors)
     if not operator:
         return getattr(torch.ops.rneagen, name_of(robot._key, is_out)).default
+    check_dense(names_of(robot), tensors)
     return operator.op_out if is_out else operator.op if is_plain() else operator.function.apply
 
 
@@ -154,7 +155,9 @@ def _call(self, *args, **kwargs):
         arrays, out = _arrays.arguments(self, args, kwargs)
         every = [*arrays, *(out if isinstance(out, tuple) else (out,))]
     for x in every:
-        if x is not None and not isinstance(x, Tensor):
+        if x is None and arrays is args:
+            _arrays.arguments(self, args, kwargs)  # not all inputs may be left out
+        elif x is not None and not isinstance(x, Tensor):
             _arrays.adapter(self, arrays, out)
     return call(self, arrays, out)
 
