@@ -79,8 +79,8 @@ static const char *find_numbers(const struct resolver *x, const struct scene_cho
 	if (found == FRAME_NUMBERS && (at == first || !link || robot_link(x->r, link) < 0))
 		return at;
 	scene_refuse(x->s, c, x->e,
-		"takes NAME=LINK,x,y,z,r,p,y, a link and six numbers, m and rad; '%.255s' has %d numbers", c->value,
-		commas);
+		"takes NAME=LINK,x,y,z,r,p,y, a link and six numbers, m and rad; '%.255s' has %d number%s", c->value,
+		commas, commas == 1 ? "" : "s");
 	return NULL;
 }
 

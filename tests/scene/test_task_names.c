@@ -60,6 +60,8 @@ static const struct refusal {
 	{"want djacobian.wield", "scene line 1, want: no link 'wield'; did you mean 'weld'?"},
 	{"tip slab\nbeside drop\nwant pose.ship", "scene line 3, want: link 'ship' is not part of this scene"},
 	{"want jacobian.world", "scene line 1, want: link 'world' does not move in this scene"},
+	{"add-frame grip=arm,0",
+		"scene line 1, add-frame: takes NAME=LINK,x,y,z,r,p,y, a link and six numbers, m and rad; 'arm,0' has 1 number"},
 	{"add-frame grip=arm,0,0,0,0,0",
 		"scene line 1, add-frame: takes NAME=LINK,x,y,z,r,p,y, a link and six numbers, m and rad; "
 		"'arm,0,0,0,0,0' has 5 numbers"},
