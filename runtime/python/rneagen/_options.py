@@ -15,6 +15,7 @@ COUNTED = {"parts": ("auto",), "segments": ("auto", "whole"), "limbs": ("auto", 
 TEXT = ("target", "layout", "name", "bounded", "only", *COUNTED)  # what kind of text
 OPEN = ("backend", "device", "threads", "block", "cache")  # where it runs
 ASKED = ("want", "jvp", "vjp", "by")  # what is computed: robots with other outputs have others
+NEEDED = {"want": "output", "tip": "link", "lock_all_but": "joint", "order": "joint"}  # of which a list of nothing is refused
 
 
 class SceneFile(NamedTuple):
@@ -57,6 +58,13 @@ def check(options: Iterable[str], known: Iterable[str], function: str) -> None:
             raise TypeError(f"{function}() has no keyword '{name}'" + (f"; did you mean '{near[0]}'?" if near else ""))
 
 
+def ordered(keyword: str, x: Any) -> Any:
+    """Names of a set would come in another order in the next process, and with them rows and outputs."""
+    if isinstance(x, (set, frozenset)):
+        raise TypeError(f"{keyword} takes what has an order, a list for one, not a {type(x).__name__}")
+    return x
+
+
 def number(keyword: str, x: Any) -> str:
     if isinstance(x, str):
         return x
@@ -81,7 +89,7 @@ def flag(keyword: str, x: Any) -> bool:
 
 
 def names(keyword: str, x: Any) -> list[str]:
-    x = [x] if isinstance(x, str) else list(x) if isinstance(x, Iterable) else [x]
+    x = [x] if isinstance(x, str) else list(ordered(keyword, x)) if isinstance(x, Iterable) else [x]
     for name in x:
         if not isinstance(name, str):
             raise TypeError(f"{keyword} takes names, not {name!r}")
@@ -104,20 +112,28 @@ def armature_of(path: str) -> list[str]:
     return [re.sub(r"\\(.)", lambda found: found[1].replace("n", "\n"), pair) for pair in pairs]
 
 
-def owned(x: Any) -> Any:
+def owned(keyword: str, x: Any) -> Any:
     """The same in lists, dictionaries and numbers that nobody else changes, and that can be gone through again."""
     if x is None or isinstance(x, (bool, int, float, str, bytes, os.PathLike)):
         return x
     if hasattr(x, "items"):
-        return {name: owned(value) for name, value in x.items()}
+        return {name: owned(keyword, value) for name, value in x.items()}
     if hasattr(x, "tolist"):  # of NumPy and its like
         return x.tolist()
-    return [owned(one) for one in x] if isinstance(x, Iterable) else x
+    return [owned(keyword, one) for one in ordered(keyword, x)] if isinstance(x, Iterable) else x
+
+
+def refuse_nothing(options: dict[str, Any]) -> None:
+    """Where products are asked for, there need be no other output."""
+    for keyword, what in NEEDED.items():
+        if options.get(keyword) in ([], {}) and not (keyword == "want" and (options.get("jvp") or options.get("vjp"))):
+            raise ValueError(f"{keyword} takes one {what} or more")
 
 
 def taken(options: dict[str, Any]) -> dict[str, Any]:
     """The keywords, with what files hold in place of their names; what is wrong with those of the call is said here."""
-    options = {keyword: owned(x) for keyword, x in options.items()}
+    options = {keyword: owned(keyword, x) for keyword, x in options.items()}
+    refuse_nothing(options)
     path, armature = options.get("scene"), options.get("armature")
     if path is not None:
         with open(path, encoding="utf-8") as file:
@@ -146,8 +162,6 @@ def values(keyword: str, x: Any) -> list[str | None]:
     if kind == "pair":
         return list(pairs(keyword, x))
     if kind in ("names", "freed"):
-        if keyword == "lock_all_but" and not names(keyword, x):
-            raise ValueError("lock_all_but takes joints; without any nothing would move")
         return list(names(keyword, x))
     return [numbers(keyword, x)]
 

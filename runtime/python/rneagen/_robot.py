@@ -392,6 +392,8 @@ class Robot(_core.Robot):
         given = tuple((k, tuple(_options.names(k, x))) for k, x in products.items() if x)
         if len(names) == 1 and not isinstance(names[0], str):  # a list of them, as load takes
             names = tuple(_options.names("want", names[0]))
+        if not names and not given:
+            _options.refuse_nothing({"want": []})
         is_sparse = self.sparse if sparse is None else _options.flag("sparse", sparse)
         return self._wanting(names, is_sparse, products=given)
 
@@ -434,7 +436,9 @@ class Robot(_core.Robot):
         """A named tuple of all inputs, drawn within the joints' limits or the scene's `range`: arrays of `n` samples,
         or of one without a leading axis. The same seed gives the same samples, those of `rnearun report`."""
         drawn = translated(self._model.draw, seed, 1 if n is None else n)
-        dtype = dtype or _arrays.DTYPES[self.scalar or "f64"]
+        dtype = numpy.dtype(dtype or _arrays.DTYPES[self.scalar or "f64"])
+        if dtype.kind != "f":
+            raise TypeError(f"dtype: float32 or float64 is wanted, not {dtype}")
         values = []
         for array in self.inputs:
             x = numpy.frombuffer(drawn[array.name], float).astype(dtype)
