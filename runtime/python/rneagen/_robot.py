@@ -305,8 +305,8 @@ class Robot(_core.Robot):
     @_names.takes(several=True)
     def bind(self, *args: Any, **kwargs: Any) -> Any:
         """step = robot.bind(q, qd, qdd, out) checks the arrays once; step() then computes from what is in them, and
-        returns out. The arrays stay alive with the step. Without out, an array is made. A GPU's arrays are bound to
-        the stream that is current now."""
+        returns out. The arrays stay alive with the step, and are not checked again: one that is made read-only later is
+        written all the same. Without out, an array is made. A GPU's arrays are bound to the stream that is current now."""
         arrays, out = _arrays.arguments(self, args, kwargs)
         return _arrays.adapter(self, arrays, out).bind(self, arrays, out)
 

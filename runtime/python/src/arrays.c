@@ -36,7 +36,13 @@ PyObject *array_shape(const Py_ssize_t *lead, int count, PyObject *tail)
 	return shape;
 }
 
-static int refuse_shape(const struct array *a, const Py_buffer *v, const struct lead *lead)
+/* What messages begin with, before the array's name. */
+static const char *part_of(int is_output)
+{
+	return is_output ? "out: the array for " : "";
+}
+
+static int refuse_shape(const struct array *a, const Py_buffer *v, int is_output, const struct lead *lead)
 {
 	PyObject *empty = PyTuple_New(0), *wanted, *shape = empty ? array_shape(v->shape, v->ndim, empty) : NULL;
 
@@ -45,20 +51,21 @@ static int refuse_shape(const struct array *a, const Py_buffer *v, const struct 
 	else
 		wanted = Py_NewRef(a->shape);
 	if (wanted && shape && lead->axes >= 0 && !a->per_batch && lead->of != a)
-		PyErr_Format(PyExc_ValueError, "%U: its shape is %R; %R goes with %U", a->name, shape, wanted, lead->of->name);
+		PyErr_Format(PyExc_ValueError, "%s%U: its shape is %R; %R goes with %U", part_of(is_output), a->name,
+			shape, wanted, lead->of->name);
 	else if (wanted && shape)
 		PyErr_Format(PyExc_ValueError,
-			a->per_batch ? "%U: its shape is %R; %R is wanted, for all samples"
-				     : "%U: its shape is %R; %R is "
+			a->per_batch ? "%s%U: its shape is %R; %R is wanted, for all samples"
+				     : "%s%U: its shape is %R; %R is "
 				       "wanted, or axes of samples before it",
-			a->name, shape, wanted);
+			part_of(is_output), a->name, shape, wanted);
 	Py_XDECREF(empty);
 	Py_XDECREF(wanted);
 	Py_XDECREF(shape);
 	return -1;
 }
 
-static int check_shape(const struct array *a, const Py_buffer *v, struct lead *lead)
+static int check_shape(const struct array *a, const Py_buffer *v, int is_output, struct lead *lead)
 {
 	int own = (int)PyTuple_Size(a->shape), axes = v->ndim - own, same = axes >= 0 && v->ndim <= AXES &&
 		(!a->per_batch || axes == 0);
@@ -69,7 +76,7 @@ static int check_shape(const struct array *a, const Py_buffer *v, struct lead *l
 		for (int i = 0; same && i < own; i++)
 			same = v->shape[axes + i] == PyLong_AsSsize_t(PyTuple_GetItem(a->shape, i));
 	if (!same || a->per_batch)
-		return same ? 0 : refuse_shape(a, v, lead);
+		return same ? 0 : refuse_shape(a, v, is_output, lead);
 	if (lead->axes < 0) {
 		memcpy(lead->shape, v->shape, (size_t)axes * sizeof *v->shape);
 		lead->axes = axes;
@@ -77,7 +84,7 @@ static int check_shape(const struct array *a, const Py_buffer *v, struct lead *l
 		return 0;
 	}
 	same = axes == lead->axes && !memcmp(lead->shape, v->shape, (size_t)axes * sizeof *v->shape);
-	return same ? 0 : refuse_shape(a, v, lead);
+	return same ? 0 : refuse_shape(a, v, is_output, lead);
 }
 
 /* Returns 1 where a copy in one piece is to take its place. */
@@ -92,10 +99,11 @@ static int check_array(const struct array *a, PyObject *array, const struct call
 		PyObject *type = PyObject_GetAttrString(array, "dtype");
 
 		if (type && scalar < 0)
-			PyErr_Format(PyExc_TypeError, "%U: its dtype is %S; float32 or float64 is wanted", a->name, type);
+			PyErr_Format(PyExc_TypeError, "%s%U: its dtype is %S; float32 or float64 is wanted", part_of(is_output),
+				a->name, type);
 		else if (type)
-			PyErr_Format(PyExc_TypeError, "%U: its dtype is %S, and that of %U is float%d: all arrays have one",
-				a->name, type, lead->scalar_of, lead->scalar == F32 ? 32 : 64);
+			PyErr_Format(PyExc_TypeError, "%s%U: its dtype is %S, and that of %U is float%d: all arrays have one",
+				part_of(is_output), a->name, type, lead->scalar_of, lead->scalar == F32 ? 32 : 64);
 		Py_XDECREF(type);
 		return -1;
 	}
@@ -107,7 +115,7 @@ static int check_array(const struct array *a, PyObject *array, const struct call
 		PyErr_Format(PyExc_ValueError, "out: the array for %U is read-only", a->name);
 		return -1;
 	}
-	if (check_shape(a, v, lead))
+	if (check_shape(a, v, is_output, lead))
 		return -1;
 	order = order_of(v);
 	is_aligned = (uintptr_t)v->buf % (size_t)v->itemsize == 0;
@@ -121,7 +129,7 @@ static int check_array(const struct array *a, PyObject *array, const struct call
 			: "%U: it is not contiguous; numpy.ascontiguousarray makes a copy that is", a->name);
 	else if (!is_aligned)
 		PyErr_Format(PyExc_ValueError, "%s%U: its numbers do not stand at multiples of %zd bytes; numpy.copy makes an array whose do",
-			is_output ? "out: the array for " : "", a->name, v->itemsize);
+			part_of(is_output), a->name, v->itemsize);
 	return order == 'C' && is_aligned ? 0 : -1;
 }
 
