@@ -184,6 +184,8 @@ static const char *describe(const struct emission *e, const struct argument *a)
 			text_put_comment(&t, k->freed[i].word);
 			text_put(&t, role_rows(a->role) == ROWS_INERTIA
 				? ": m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about the link's origin, in its frame" : "");
+			text_put(&t, k->freed[i].kind == FREED_MASS
+				? ": kg; the link's centre of mass, and its inertia about that, stay, so h = m c" : "");
 			text_put(&t, k->freed[i].body < 0 ? " of each joint with one row, in the rows of qd" : "");
 		}
 	for (int i = 0; i < k->push_count; i++)

@@ -303,6 +303,17 @@ START_TEST(told)
 }
 END_TEST
 
+/* What its arrays are, in the head of a text. */
+START_TEST(told_of_arrays)
+{
+	struct rneagen_result r = generate("free mass.hand,payload.left");
+
+	expect(r.source, "mass.hand: kg; the link's centre of mass, and its inertia about that,\n *     stay, so h = m c\n");
+	expect(r.source, "payload.left: m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about the link's origin, in its frame\n");
+	rneagen_result_free(&r);
+}
+END_TEST
+
 #define FIXED(parent, child) JOINT(parent child, "fixed", parent, child, "")
 #define LEGS JOINT("left", "revolute", "trunk", "a", "") JOINT("right", "revolute", "trunk", "b", "") BALL("a") BALL("b")
 #define AIR LINK("air", "0", "0 0 0", "0 0 0", "0", "0", "0", "0", "0", "0")
@@ -389,6 +400,7 @@ int main(void)
 	tcase_add_test(c, other_locale);
 	tcase_add_loop_test(c, random_scenes, 0, 2);
 	tcase_add_test(c, told);
+	tcase_add_test(c, told_of_arrays);
 	tcase_add_loop_test(c, floating_without_mass, 0, sizeof FLOATING / sizeof *FLOATING);
 	tcase_add_test(c, ignored);
 	suite_add_tcase(suite, c);
