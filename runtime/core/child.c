@@ -17,7 +17,7 @@
 #endif
 #endif
 
-enum { POLL_MILLISECONDS = 50 };
+enum { POLL_MILLISECONDS = 50, LEASH = STDERR_FILENO + 1 };
 
 /* ---- starting ---- */
 
@@ -51,8 +51,9 @@ static char **environment(const char *const *variables)
 	return (char **)made;
 }
 
-/* Standard input is empty; the others are `out`, which may itself be one of the three, and is written over last. */
-static int set_files(posix_spawn_file_actions_t *files, int out)
+/* Standard input is empty; the others are `out`, which may itself be one of the three, and is written over last. `leash`
+   is beyond its place, or -1. */
+static int set_files(posix_spawn_file_actions_t *files, int out, int leash)
 {
 	int e = posix_spawn_file_actions_adddup2(files, out, STDOUT_FILENO);
 
@@ -60,16 +61,18 @@ static int set_files(posix_spawn_file_actions_t *files, int out)
 		e = posix_spawn_file_actions_adddup2(files, STDOUT_FILENO, STDERR_FILENO);
 	if (!e)
 		e = posix_spawn_file_actions_addopen(files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+	if (!e && leash >= 0)
+		e = posix_spawn_file_actions_adddup2(files, leash, LEASH);
 #if defined CLOSES_REST
 	if (!e)
-		e = posix_spawn_file_actions_addclosefrom_np(files, STDERR_FILENO + 1);
+		e = posix_spawn_file_actions_addclosefrom_np(files, leash < 0 ? LEASH : LEASH + 1);
 #endif
 	return e;
 }
 
-/* A signal that this process ignores or blocks would be ignored or blocked by the compiler too. What may be stopped is a
+/* A signal that this process ignores or blocks would be ignored or blocked by the compiler too. With what it starts it is a
    group of processes, which can be killed together. */
-static int set_signals(posix_spawnattr_t *attributes, int is_group)
+static int set_signals(posix_spawnattr_t *attributes)
 {
 	sigset_t all, none;
 	int e;
@@ -79,13 +82,13 @@ static int set_signals(posix_spawnattr_t *attributes, int is_group)
 	sigdelset(&all, SIGSTOP);
 	sigemptyset(&none);
 	e = posix_spawnattr_setflags(attributes,
-		(short)(POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK | (is_group ? POSIX_SPAWN_SETPGROUP : 0)));
+		POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
 	if (!e)
 		e = posix_spawnattr_setsigdefault(attributes, &all);
 	return e ? e : posix_spawnattr_setsigmask(attributes, &none);
 }
 
-static int spawn(pid_t *pid, const char *path, const char *const *argv, char **env, int is_group, int out)
+static int spawn(pid_t *pid, const char *path, const char *const *argv, char **env, int out, int leash)
 {
 	posix_spawn_file_actions_t files;
 	posix_spawnattr_t attributes;
@@ -94,15 +97,48 @@ static int spawn(pid_t *pid, const char *path, const char *const *argv, char **e
 	if (e)
 		return e;
 	if ((e = posix_spawnattr_init(&attributes)) == 0) {
-		e = set_files(&files, out);
+		e = set_files(&files, out, leash);
 		if (!e)
-			e = set_signals(&attributes, is_group);
+			e = set_signals(&attributes);
 		if (!e)
 			e = posix_spawn(pid, path, &files, &attributes, (char *const *)argv, env);
 		posix_spawnattr_destroy(&attributes);
 	}
 	posix_spawn_file_actions_destroy(&files);
 	return e;
+}
+
+/* ---- ending with this process ---- */
+
+/* A pipe that nobody writes to. The child and all that it starts have its end ends[0], this process alone has the other. When
+   that is closed, as this process ends in whatever way, the kernel sends SIGIO to the owner of ends[0], the child's group,
+   which ends it. PR_SET_PDEATHSIG would end a compiler's driver alone, and not the program that compiles for it. Without a
+   pipe, -1, the child goes on to its end. */
+static void make_leash(int *ends)
+{
+	int low;
+
+	if (pipe2(ends, O_CLOEXEC) != 0)
+		ends[0] = ends[1] = -1;
+	low = ends[0];
+	ends[0] = fcntl(low, F_DUPFD_CLOEXEC, LEASH + 1);
+	if (low >= 0)
+		close(low);
+}
+
+static void hold_leash(const int *ends, pid_t group)
+{
+	if (fcntl(ends[0], F_SETOWN, -group) == 0)
+		fcntl(ends[0], F_SETFL, O_ASYNC);
+}
+
+/* What the child left running stays. */
+static void drop_leash(const int *ends)
+{
+	fcntl(ends[0], F_SETFL, 0);
+	for (int i = 0; i < 2; i++)
+		if (ends[i] >= 0)
+			close(ends[i]);
 }
 
 /* ---- listening ---- */
@@ -165,15 +201,19 @@ static void listen_to(pid_t pid, int in, const struct child_stop *stop, struct c
 
 static int run(const char *path, const char *const *argv, char **env, const struct child_stop *stop, struct child *end)
 {
-	int ends[2], e;
+	int ends[2], leash[2], e;
 	pid_t pid;
 
 	if (pipe2(ends, O_CLOEXEC) != 0)
 		return errno;
-	e = spawn(&pid, path, argv, env, stop && stop->ask, ends[1]);
+	make_leash(leash);
+	e = spawn(&pid, path, argv, env, ends[1], leash[0]);
 	close(ends[1]);
-	if (!e)
+	if (!e) {
+		hold_leash(leash, pid);
 		listen_to(pid, ends[0], stop, end);
+	}
+	drop_leash(leash);
 	close(ends[0]);
 	return e;
 }
