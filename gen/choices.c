@@ -44,7 +44,6 @@ enum rneagen_code choices_resolve(struct analysis *a)
 	struct rneagen_error *e = a->error;
 
 	o->precision = emit_precision_of(o);
-	a->model = eval_model_of(o, 0);
 	if (check_bits(o, e) || check_counts(o, e))
 		return e->code;
 	if (!o->name)

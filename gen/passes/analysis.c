@@ -1,5 +1,6 @@
 #include "passes/analysis.h"
 #include "draw/prune.h"
+#include "emit/number_type.h"
 #include "plan/plan.h"
 #include <string.h>
 
@@ -39,22 +40,11 @@ enum rneagen_code pass_tree_build(struct analysis *a)
 	return RNEAGEN_OK;
 }
 
-static real round_double(real x)
-{
-	return (real)(double)x;
-}
-
 /* What a bound of qdd does not know of. */
 static enum rneagen_code check_bound(struct analysis *a)
 {
-	static const struct eval_model doubles = {.add = 0x1p-53, .mul = 0x1p-53, .tiny = 0x1p-1072, .sincos = 1.7 * 0x1p-53,
-		.sine = 0x1p-1072, .cosine = 0x1p-1072, .constant = round_double};
-
 	if (!request_wants(&a->request, WANT_QDD_BOUND))
 		return RNEAGEN_OK;
-	if (!a->model.constant)
-		a->model = doubles;
-	a->request.arithmetic = &a->model;
 	if (a->options.trig == RNEAGEN_FAST)
 		return error_set(a->error, RNEAGEN_USAGE,
 			"--want qdd_bound and --trig fast exclude each other: the sine of a GPU's own unit has no bound beyond pi; take bounded");
@@ -86,6 +76,8 @@ enum rneagen_code pass_request_resolve(struct analysis *a)
 	if (request_refine(&a->request, &a->scene, a->options.precision, a->error))
 		return a->error->code;
 	choose_trig(a);
+	a->model = eval_model_of(&a->options, 0);
+	a->request.arithmetic = &a->model;
 	return check_bound(a);
 }
 

@@ -28,7 +28,6 @@ struct analysis {
 	struct rneagen_options options; /* `file` is never NULL */
 	struct arena *arena;            /* of all that is made, but of `raw` */
 	struct rneagen_error *error;
-	struct eval_model model;        /* the text's arithmetic, of which wanted bounds speak; NULL constant: doubles */
 	struct robot robot;             /* urdf_read: as the file states it, and its warnings */
 	struct scene scene;             /* scene_parse */
 	struct adjust adjust;
@@ -38,7 +37,8 @@ struct analysis {
 	struct tree stated;             /* tree_build: of the URDF's own frames and inertias */
 	struct tree tree;               /* tree_build, params_choose; its gravity: request_resolve */
 	struct params_choice params;          /* params_choose */
-	struct request request;         /* request_resolve */
+	struct eval_model model;        /* request_resolve: the text's arithmetic, of which wanted bounds speak */
+	struct request request;
 	struct proven dropped;          /* dag_prune, where it is proved: how much outputs change without the terms */
 	struct dag raw;                 /* dag_build, dag_prune; until analysis_free_raw */
 	/* dag_fuse: q, qd, qdd -> tau or what else is asked for, products joined to sums as in the text */

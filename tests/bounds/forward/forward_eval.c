@@ -1,7 +1,6 @@
 #include "forward_eval.h"
 #include "bounds/worst.h"
 #include "dag/eval.h"
-#include "emit/emit.h"
 #include <check.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,7 +23,6 @@ int forward_eval_open(struct forward_eval *x, const char *urdf, const char *refe
 	a->options.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	a->options.precision = s->precision;
 	a->options.scene = text;
-	a->model = eval_model_of(&a->options, 0);
 	if (analysis_run(a, PASS_URDF_READ, PASS_DAG_FUSE)) {
 		printf("refused: %s\n", x->error.message);
 		analysis_free_raw(a);
