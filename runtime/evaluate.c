@@ -123,6 +123,7 @@ static enum rnea_code open_evaluation(const char *source, const char *urdf, size
 		evaluation_close(v);
 		return e->code;
 	}
+	v->analysis.dag.angle = v->analysis.model.angle; /* as in the text: NAN beyond */
 	v->memory_is_f32 = rnea_info(*robot)->precision == RNEA_F32;
 	v->in_floats = !strcmp(rnea_info(*robot)->arithmetic, "f32");
 	v->is_aos = rnea_info(*robot)->layout == RNEA_AOS;

@@ -128,6 +128,7 @@ struct dag {
 	int *begins, begin_count; /* where the rows of these outputs begin, by coordinates */
 	int run_count, loop_count, put_count;
 	int is_wide;  /* while it is set, inputs are widened where they are read, and constants are wide */
+	double angle; /* the sine and cosine of a larger one are evaluated as NAN; 0: they are not */
 	size_t limit; /* nodes; 0: as many as memory holds */
 	int failed;   /* sticky: out of memory, an argument, a node or a run too many, a matrix that cannot be solved */
 	/* 1 + the row of qd whose joint moves no mass, where that made it fail; or -1 - the want that has no inverse */

@@ -130,6 +130,66 @@ START_TEST(computes)
 }
 END_TEST
 
+/* tau = I qdd + m g l sin(q) of the pendulum, whose reference is asked. */
+static double torque(struct reference *r, double q)
+{
+	wide tau[1];
+
+	reference_rnea(r, &q, (double[]){0}, (double[]){0}, tau);
+	return (double)tau[0];
+}
+
+/* The evaluator's torque at rest; in f32 and mixed q and tau are floats. */
+static double evaluated(const struct rneagen_options *g, double q)
+{
+	struct rnea_options o = {.backend = RNEA_BACKEND_EVALUATOR};
+	double wide_rows[4] = {q};
+	float rows[4] = {(float)q};
+	void *arrays[4];
+	struct rnea_robot *robot;
+	struct rnea_error e;
+	double tau;
+
+	ck_assert_msg(!rnea_open_urdf(TEST_DIR "/robots/pendulum.urdf", g, &o, &robot, &e), "%s", e.message);
+	for (int i = 0; i < 4; i++)
+		arrays[i] = rnea_info(robot)->precision == RNEA_F32 ? (void *)&rows[i] : (void *)&wide_rows[i];
+	ck_assert_msg(!rnea_run(robot, arrays, 1, &e), "%s", e.message);
+	tau = rnea_info(robot)->precision == RNEA_F32 ? (double)rows[3] : wide_rows[3];
+	rnea_close(robot);
+	return tau;
+}
+
+/* Would catch an evaluator that goes on where the text's sine and cosine are NAN: beyond 1e4 rad, in f64 1e7. */
+START_TEST(beyond_the_domain)
+{
+	static const struct {
+		enum rneagen_precision precision;
+		double most, off;
+	} cases[] = {{RNEAGEN_F32, 1e4, 1e-5}, {RNEAGEN_F32X2, 1e4, 1e-12}, {RNEAGEN_MIXED, 1e7, 1e-6},
+		{RNEAGEN_F64, 1e7, 1e-14}};
+	static const enum rneagen_trig trigs[] = {RNEAGEN_BOUNDED, RNEAGEN_FAST, RNEAGEN_TRIG_AUTO, RNEAGEN_ACCURATE};
+	struct rneagen_options g = rneagen_options_default();
+	enum rneagen_trig trig = trigs[_i % 4];
+	struct reference *r = open_reference(TEST_DIR "/robots/pendulum.urdf", 0);
+	double most = cases[_i / 4].most, off = cases[_i / 4].off;
+
+	use_fakes();
+	g.precision = cases[_i / 4].precision;
+	g.trig = trig;
+	g.scene = trig == RNEAGEN_TRIG_AUTO ? "range q=-3,3" : NULL; /* bounded, then */
+	for (int sign = -1; sign <= 1; sign += 2) {
+		ck_assert_double_eq_tol(evaluated(&g, sign * most), torque(r, sign * most), off * fabs(torque(r, M_PI / 2)));
+		if (trig == RNEAGEN_ACCURATE)
+			ck_assert_double_eq_tol(
+				evaluated(&g, 4 * sign * most), torque(r, 4 * sign * most), off * fabs(torque(r, M_PI / 2)));
+		else
+			ck_assert(isnan(evaluated(&g, sign * (most + 2))) && isnan(evaluated(&g, 30 * sign * most)));
+	}
+	ck_assert(isnan(evaluated(&g, (double)INFINITY)) && isnan(evaluated(&g, (double)NAN)));
+	reference_close(r);
+}
+END_TEST
+
 /* A processor gains nothing from parts: only who asks for them has them there. */
 START_TEST(parts)
 {
@@ -328,6 +388,7 @@ int main(void)
 	tcase_add_test(t, evaluator_errors);
 	tcase_add_loop_test(t, computes, 0, 3 * (int)(sizeof robots / sizeof *robots));
 	tcase_add_test(t, errors);
+	tcase_add_loop_test(t, beyond_the_domain, 0, 16);
 	tcase_add_loop_test(t, parts, 0, 3);
 	tcase_add_loop_test(t, hostile_names, 0, 2 * (int)(sizeof names / sizeof *names));
 	suite_add_tcase(s, t);
