@@ -32,7 +32,8 @@ static size_t output_rows(const struct dag *d)
 	return rows;
 }
 
-/* All outputs in one sample, after one another. Returns 0 when memory runs out. */
+/* All outputs in one sample, after one another; 0 for a bound of errors, which tells nothing of the model. Returns 0 when memory
+   runs out. */
 static int torques(const struct analysis *w, const struct measuring *m, size_t sample, double *out)
 {
 	const struct dag *d = &w->dag;
@@ -44,7 +45,12 @@ static int torques(const struct analysis *w, const struct measuring *m, size_t s
 		to[k] = out;
 		out += d->arguments[k].is_output ? d->arguments[k].rows : 0;
 	}
-	return eval_f64(d, in, to, NULL);
+	if (!eval_f64(d, in, to, NULL))
+		return 0;
+	for (int k = 0; k < d->argument_count; k++)
+		for (int i = 0; d->arguments[k].role == ROLE_JOINT_ACCELERATION_BOUND && i < d->arguments[k].rows; i++)
+			to[k][i] = 0;
+	return 1;
 }
 
 /* NAN where nothing is known: an output overflows. */

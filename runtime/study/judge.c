@@ -151,11 +151,27 @@ static int run(struct samples *s, workers_piece *piece)
 
 static void list_outputs(struct judge *j, const struct dag *d)
 {
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *x = &d->arguments[i];
+		struct judge_output *o = &j->outputs[j->output_count];
+
+		if (!x->is_output)
+			continue;
+		*o = (struct judge_output){i, j->rows, (size_t)x->rows, x->role == ROLE_JOINT_ACCELERATION_BOUND};
+		j->rows += o->rows;
+		j->output_count++;
+		if (x->role == ROLE_JOINT_ACCELERATION)
+			j->qdd = o;
+	}
+}
+
+int judge_has_outputs(const struct dag *d)
+{
+	int found = 0;
+
 	for (int i = 0; i < d->argument_count; i++)
-		if (d->arguments[i].is_output) {
-			j->outputs[j->output_count++] = (struct judge_output){i, j->rows, (size_t)d->arguments[i].rows};
-			j->rows += (size_t)d->arguments[i].rows;
-		}
+		found |= d->arguments[i].is_output && d->arguments[i].role != ROLE_JOINT_ACCELERATION_BOUND;
+	return found;
 }
 
 int judge_open(struct judge *j, const struct analysis *a, enum rneagen_precision precision, const struct draw_options *o,
@@ -204,7 +220,7 @@ static int bound_sample(const struct samples *s, size_t k, double *bound)
 		return 0;
 	s->max[k] = -1;
 	for (int i = 0; i < j->output_count; i++) {
-		double size = norm_exact(j, k, &j->outputs[i]);
+		double size = j->outputs[i].is_bound ? 0 : norm_exact(j, k, &j->outputs[i]);
 
 		if (size > 0)
 			s->max[k] = fmax(s->max[k], norm(bound + j->outputs[i].first, j->outputs[i].rows) / size);
@@ -272,20 +288,47 @@ static double judge_array(const struct judge *j, const double *out, size_t k, co
 	return isfinite(largest) ? largest * sqrt(sum) : largest;
 }
 
+/* Is qdd of sample k off by more than its bound? One that is not a number says nothing. */
+static int is_beyond(const struct judge *j, const double *out, size_t k, const struct judge_output *bound)
+{
+	for (size_t i = 0, at = k * j->rows; j->qdd && i < bound->rows; i++) {
+		size_t row = at + j->qdd->first + i;
+
+		if (fabs((double)((exact)out[row] - j->out[row])) > out[at + bound->first + i])
+			return 1;
+	}
+	return 0;
+}
+
+/* The worst output array of sample k; -1: there is nothing to say. */
+static double judge_sample(const struct judge *j, const double *out, size_t k, double *terms)
+{
+	double worst = -1;
+
+	for (int i = 0; i < j->output_count; i++) {
+		const struct judge_output *o = &j->outputs[i];
+		double off, size;
+
+		if (o->is_bound && is_beyond(j, out, k, o))
+			worst = (double)INFINITY;
+		if (o->is_bound)
+			continue;
+		off = judge_array(j, out, k, o, terms);
+		size = norm_exact(j, k, o);
+		if (size > 0)
+			worst = fmax(worst, off / size);
+	}
+	return worst;
+}
+
 struct judge_errors judge_results(const struct judge *j, const double *out)
 {
 	struct judge_errors e = {0};
 	size_t counted = 0;
 
 	for (size_t k = 0; k < j->count; k++) {
-		double worst = -1;
+		double worst = judge_sample(j, out, k, &e.terms);
 
-		for (int i = 0; i < j->output_count; i++) {
-			double off = judge_array(j, out, k, &j->outputs[i], &e.terms), size = norm_exact(j, k, &j->outputs[i]);
-
-			if (size > 0)
-				worst = fmax(worst, off / size);
-		}
 		if (worst < 0)
 			continue;
 		e.max = fmax(e.max, worst);

@@ -19,6 +19,7 @@ typedef real exact;
 struct judge_output {
 	int argument; /* of the DAG */
 	size_t first, rows;
+	int is_bound; /* of what qdd is off: it is nothing that could be off itself, but what qdd is held against */
 };
 
 /* For one precision; out and size are [sample][row], the rows of all output arrays after one another. */
@@ -29,6 +30,7 @@ struct judge {
 	size_t count, rows;
 	struct judge_output outputs[DAG_ARGUMENTS];
 	int output_count;
+	const struct judge_output *qdd; /* NULL: it is no output */
 	struct workers *workers; /* share the samples */
 	exact *out;   /* the reference, on the same rounded inputs */
 	double *size; /* S_i: the magnitudes that are summed */
@@ -56,7 +58,11 @@ double judge_scale(const struct judge *j, const struct judge_output *o);
    Returns 0 when memory runs out. */
 int judge_bound(const struct judge *j, const struct analysis *a, const struct rneagen_options *o, int on_gpu, double *max);
 
-/* Outputs [sample][row] of the judge's samples, as `out` is. What is not finite is off by INFINITY. */
+/* Is any output judged? A bound alone is none. */
+int judge_has_outputs(const struct dag *d);
+
+/* Outputs [sample][row] of the judge's samples, as `out` is. What is not finite is off by INFINITY, and so is a qdd that its bound,
+   where that is an output too, does not hold. */
 struct judge_errors judge_results(const struct judge *j, const double *out);
 
 #endif

@@ -86,13 +86,20 @@ static enum rneagen_code open_backend(struct study *s, enum rnea_backend backend
 	return RNEAGEN_OK;
 }
 
-/* What --strict excludes is left out where all was asked for; the GPU's own sine has bits of its own. */
+/* Pairs of floats, and the GPU's own sine, where all was asked for. */
+static void leave_out(struct study_options *o)
+{
+	if (!o->precision_asked)
+		o->precisions = (struct study_list){{RNEAGEN_F32, RNEAGEN_MIXED, RNEAGEN_F64}, 3};
+	if (!o->trig_asked)
+		o->trigs = (struct study_list){{RNEAGEN_ACCURATE, RNEAGEN_BOUNDED}, 2};
+}
+
+/* What --strict excludes; the GPU's own sine has bits of its own. */
 static int check_strict(const struct command *c, struct study_options *o)
 {
-	if (c->generate.strict && !o->precision_asked)
-		o->precisions = (struct study_list){{RNEAGEN_F32, RNEAGEN_MIXED, RNEAGEN_F64}, 3};
-	if (c->generate.strict && !o->trig_asked)
-		o->trigs = (struct study_list){{RNEAGEN_ACCURATE, RNEAGEN_BOUNDED}, 2};
+	if (c->generate.strict)
+		leave_out(o);
 	for (int i = 0; i < o->precisions.count && c->generate.strict; i++)
 		if (o->precisions.values[i] == RNEAGEN_F32X2)
 			return option_refuse(c->name, "--strict and --precision f32x2 exclude each other: take f64");
@@ -101,6 +108,17 @@ static int check_strict(const struct command *c, struct study_options *o)
 			return option_refuse(c->name,
 				"--strict and --trig fast exclude each other: the GPU's own unit has other bits");
 	return 0;
+}
+
+/* qdd_bound excludes the same, which the generator says where it was asked for. */
+static int check_bound(const struct study *s, struct study_options *o)
+{
+	if (request_wants(&s->analysis.request, WANT_QDD_BOUND))
+		leave_out(o);
+	if (judge_has_outputs(&s->analysis.dag))
+		return 0;
+	return option_refuse(s->command->name,
+		"qdd_bound bounds the error of qdd, and is not judged itself: take --want qdd,qdd_bound");
 }
 
 static uint64_t variants_asked(const struct study *s)
@@ -117,7 +135,7 @@ int study_open(struct study *s, const struct command *c, struct study_options *o
 	*s = (struct study){.command = c, .options = o};
 	if (check_strict(c, o))
 		return 2;
-	if ((status = command_analyse(c, &s->urdf, &s->analysis)) != 0)
+	if ((status = command_analyse(c, &s->urdf, &s->analysis)) != 0 || (status = check_bound(s, o)) != 0)
 		return status;
 	for (size_t i = 0; i < s->analysis.robot.warning_count && !c->quiet; i++)
 		fprintf(stderr, "%s: warning: %s\n", c->name, s->analysis.robot.warnings[i]);
@@ -129,7 +147,8 @@ int study_open(struct study *s, const struct command *c, struct study_options *o
 	progress_start(&s->progress, c->name, "variants", variants_asked(s), c->quiet);
 	if (study_plan(s)) {
 		progress_end(&s->progress);
-		return command_fail(c, s->error.message);
+		command_fail(c, s->error.message);
+		return 1 + option_at_fault(s->error.code);
 	}
 	s->progress.total = (uint64_t)s->variant_count;
 	return 0;

@@ -1,5 +1,6 @@
 /* What rnearun report and choose judge by where a scene frees, folds and wants: what they draw, and the outputs that they
-   compare with, against the independent reference changed for each sample; errors by array; what changed constants change. */
+   compare with, against the independent reference changed for each sample; errors by array; what changed constants change. It
+   would catch a bound of qdd that is judged as if it were an output like others. */
 #include "tell/effect.h"
 #include "dag/eval.h"
 #include "judged.h"
@@ -285,7 +286,106 @@ START_TEST(test_bound)
 }
 END_TEST
 
+/* ---- a bound among the outputs ---- */
+
+/* All outputs of all samples, evaluated in f32. */
+static double *evaluate_f32(const struct judged *f)
+{
+	const struct dag *d = &f->analysis.dag;
+	double *out = calloc(COUNT * f->judge.rows, sizeof *out);
+
+	for (size_t k = 0; k < COUNT; k++) {
+		float narrow[DAG_ARGUMENTS][16];
+		const float *in[DAG_ARGUMENTS];
+		float *to[DAG_ARGUMENTS];
+
+		for (int i = 0; i < d->argument_count; i++) {
+			const double *x = draw_rows(&f->judge.inputs, &d->arguments[i], k);
+
+			for (int r = 0; x && r < d->arguments[i].rows; r++)
+				narrow[i][r] = (float)x[r];
+			in[i] = to[i] = narrow[i];
+		}
+		ck_assert(eval_f32(d, in, to, NULL));
+		for (int i = 0; i < f->judge.output_count; i++) {
+			const struct judge_output *o = &f->judge.outputs[i];
+
+			for (size_t r = 0; r < o->rows; r++)
+				out[k * f->judge.rows + o->first + r] = (double)narrow[o->argument][r];
+		}
+	}
+	return out;
+}
+
+/* qdd alone, and its bound beside it, at [sample][7 + row]. */
+START_TEST(test_bound_of_qdd)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct judged plain, f;
+	double *out, *alone = calloc(COUNT, 7 * sizeof *alone), bound, bound_alone, kept;
+	struct judge_errors e, e_alone;
+	size_t at = 3 * 14 + 7 + 2;
+
+	o.precision = RNEAGEN_F32;
+	open_scene(&plain, "want qdd\n", RNEAGEN_F32);
+	open_scene(&f, "want qdd,qdd_bound\n", RNEAGEN_F32);
+	ck_assert(f.judge.rows == 14 && f.judge.outputs[1].is_bound && f.judge.outputs[1].first == 7);
+	out = evaluate_f32(&f);
+	for (size_t i = 0; i < COUNT * 7; i++)
+		alone[i] = out[i / 7 * 14 + i % 7];
+	e = judge_results(&f.judge, out);
+	e_alone = judge_results(&plain.judge, alone);
+	ck_assert_msg(e.max > 1e-8 && e.max < 1e-4, "error %g, seed %d", e.max, SEED);
+	ck_assert_double_eq_tol(e.max, e_alone.max, 1e-9 * e.max);
+	ck_assert_double_eq_tol(e.rms, e_alone.rms, 1e-9 * e.rms);
+	ck_assert(judge_bound(&f.judge, &f.analysis, &o, 0, &bound));
+	ck_assert(judge_bound(&plain.judge, &plain.analysis, &o, 0, &bound_alone));
+	ck_assert_double_eq_tol(bound, bound_alone, 1e-3 * bound);
+	kept = out[at];
+	out[at] = (double)INFINITY;
+	ck_assert(judge_results(&f.judge, out).max == e.max);
+	out[at] = 0.999 * fabs((double)((exact)out[at - 7] - f.judge.out[at - 7]));
+	ck_assert(out[at] < kept && isinf(judge_results(&f.judge, out).max));
+	free(out);
+	free(alone);
+	judged_close(&plain);
+	judged_close(&f);
+}
+END_TEST
+
+/* A bound alone is not judged, nor is what it would be of. */
+START_TEST(test_bound_alone)
+{
+	struct judged f;
+	double *out;
+
+	open_scene(&f, "want qdd_bound\n", RNEAGEN_F32);
+	ck_assert(!judge_has_outputs(&f.analysis.dag));
+	out = evaluate_f32(&f);
+	ck_assert(isnan(judge_results(&f.judge, out).max));
+	free(out);
+	judged_close(&f);
+	open_scene(&f, "want qdd_bound,M\n", RNEAGEN_F32);
+	ck_assert(judge_has_outputs(&f.analysis.dag));
+	judged_close(&f);
+}
+END_TEST
+
 /* ---- changed constants ---- */
+
+static double change_of_robot(const char *urdf, const char *scene)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_error e;
+	struct analysis a;
+	double change = -1;
+
+	o.scene = scene;
+	ck_assert_msg(!analysis_open(&a, urdf, strlen(urdf), &o, &e), "%s", e.message);
+	ck_assert(!effect_total(&change, &a, &OPTIONS, &e));
+	analysis_free(&a);
+	return change;
+}
 
 /* A point of 1.2345 kg turns about an upright axis: tau = m r^2 qdd, and two digits make it 1.2 kg. */
 static double change_of(const char *scene)
@@ -293,17 +393,22 @@ static double change_of(const char *scene)
 	static const char urdf[] = "<robot name='r'><link name='a'/><link name='b'><inertial><origin xyz='1 0 0'/><mass value='1.2345'/>"
 				   "<inertia ixx='0' iyy='0' izz='0' ixy='0' ixz='0' iyz='0'/></inertial></link>"
 				   "<joint name='j' type='continuous'><parent link='a'/><child link='b'/><axis xyz='0 0 1'/></joint></robot>";
-	struct rneagen_options o = rneagen_options_default();
-	struct rneagen_error e;
-	struct analysis a;
-	double change = -1;
 
-	o.scene = scene;
-	ck_assert_msg(!analysis_open(&a, urdf, sizeof urdf - 1, &o, &e), "%s", e.message);
-	ck_assert(!effect_total(&change, &a, &OPTIONS, &e));
-	analysis_free(&a);
-	return change;
+	return change_of_robot(urdf, scene);
 }
+
+/* Of an arm: what its bound changes by, twice its size, is no change of the model. */
+START_TEST(test_change_of_bound)
+{
+	size_t length;
+	char *urdf = read_file(IIWA, &length);
+	double change = change_of_robot(urdf, "round-constants 2\nwant qdd\n");
+	double beside = change_of_robot(urdf, "round-constants 2\nwant qdd,qdd_bound\n");
+
+	ck_assert_double_eq_tol(beside, change, 1e-9 * change);
+	free(urdf);
+}
+END_TEST
 
 START_TEST(test_change)
 {
@@ -324,7 +429,10 @@ int main(void)
 	tcase_add_loop_test(c, test_reference, 0, 2);
 	tcase_add_test(c, test_errors);
 	tcase_add_loop_test(c, test_bound, 0, 2);
+	tcase_add_test(c, test_bound_of_qdd);
+	tcase_add_test(c, test_bound_alone);
 	tcase_add_test(c, test_change);
+	tcase_add_test(c, test_change_of_bound);
 	suite_add_tcase(s, c);
 	return suite_run(s);
 }
