@@ -205,7 +205,13 @@ void judge_free(struct judge *j)
 
 /* ---- judging ---- */
 
-/* The largest bound of sample k; -1 where all references are 0. */
+/* What is off over what it is of: no more than 0 where both are 0; -1: nothing is known. */
+static double ratio(double off, double size)
+{
+	return size > 0 || isinf(off) ? off / size : off > 0 ? -1 : 0;
+}
+
+/* The largest bound of sample k; -1: none is known. */
 static int bound_sample(const struct samples *s, size_t k, double *bound)
 {
 	const struct judge *j = s->j;
@@ -220,10 +226,10 @@ static int bound_sample(const struct samples *s, size_t k, double *bound)
 		return 0;
 	s->max[k] = -1;
 	for (int i = 0; i < j->output_count; i++) {
-		double size = j->outputs[i].is_bound ? 0 : norm_exact(j, k, &j->outputs[i]);
+		const struct judge_output *o = &j->outputs[i];
 
-		if (size > 0)
-			s->max[k] = fmax(s->max[k], norm(bound + j->outputs[i].first, j->outputs[i].rows) / size);
+		if (!o->is_bound)
+			s->max[k] = fmax(s->max[k], ratio(norm(bound + o->first, o->rows), norm_exact(j, k, o)));
 	}
 	return 1;
 }
@@ -307,16 +313,11 @@ static double judge_sample(const struct judge *j, const double *out, size_t k, d
 
 	for (int i = 0; i < j->output_count; i++) {
 		const struct judge_output *o = &j->outputs[i];
-		double off, size;
 
 		if (o->is_bound && is_beyond(j, out, k, o))
 			worst = (double)INFINITY;
-		if (o->is_bound)
-			continue;
-		off = judge_array(j, out, k, o, terms);
-		size = norm_exact(j, k, o);
-		if (size > 0)
-			worst = fmax(worst, off / size);
+		else if (!o->is_bound)
+			worst = fmax(worst, ratio(judge_array(j, out, k, o, terms), norm_exact(j, k, o)));
 	}
 	return worst;
 }

@@ -36,7 +36,8 @@ struct judge {
 	double *size; /* S_i: the magnitudes that are summed */
 };
 
-/* Over the samples of a judge, each by its worst output array. NAN where there is nothing to say: all references are 0. */
+/* Over the samples of a judge, each by its worst output array; one that is 0 as its reference is is not off. NAN where there is
+   nothing to say: all references are 0, and no array that is compared with them is. */
 struct judge_errors {
 	double max, rms; /* of ||out - ref|| / ||ref||; for the plain torques of a robot, ||tau - ref|| / ||ref|| */
 	double terms;    /* largest |out_i - ref_i| / (eps S_i), eps of the numbers in memory */
@@ -54,15 +55,15 @@ void judge_free(struct judge *j);
 double judge_scale(const struct judge *j, const struct judge_output *o);
 
 /* The largest bound of a sample, of an output array's norm over the reference's, for the text that `o` asks for: of the
-   distance from what the URDF's decimals give, as eval_bound has it. NAN where none is known, or all references are 0.
-   Returns 0 when memory runs out. */
+   distance from what the URDF's decimals give, as eval_bound has it. NAN where none is known, or all references are 0 and no
+   bound is. Returns 0 when memory runs out. */
 int judge_bound(const struct judge *j, const struct analysis *a, const struct rneagen_options *o, int on_gpu, double *max);
 
 /* Is any output judged? A bound alone is none. */
 int judge_has_outputs(const struct dag *d);
 
-/* Outputs [sample][row] of the judge's samples, as `out` is. What is not finite is off by INFINITY, and so is a qdd that its bound,
-   where that is an output too, does not hold. */
+/* Outputs [sample][row] of the judge's samples, as `out` is. What is not finite is off by INFINITY, and so is a qdd that is off by
+   more than its bound, where that is an output too. */
 struct judge_errors judge_results(const struct judge *j, const double *out);
 
 #endif

@@ -153,7 +153,7 @@ static void say_rejected(const struct choosing *c, const struct candidate *v)
 		printf("rejected by its proved bound, %.1e, over %.1e; not measured", r->proved, c->max_error);
 		break;
 	case VERDICT_NO_ERROR:
-		printf("rejected: it has no error, for all that it is judged by is 0");
+		printf("rejected: its error is not known, for all that it is compared with is 0");
 		break;
 	default:
 		printf("rejected by its measured error, %.1e, over %.1e", r->errors.max, c->max_error);

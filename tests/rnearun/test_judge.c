@@ -179,7 +179,7 @@ START_TEST(test_bound)
 }
 END_TEST
 
-/* Without gravity and at rest no torque is anything but 0: there is nothing to compare with. */
+/* Without gravity and at rest no torque is anything but 0: one that is 0 is right, and others have nothing to compare with. */
 START_TEST(test_zero)
 {
 	static const char urdf[] = "<robot name='r'><link name='a'/><link name='b'><inertial><mass value='1'/>"
@@ -197,10 +197,33 @@ START_TEST(test_zero)
 	ck_assert(!analysis_open(&a, urdf, sizeof urdf - 1, &o, &error));
 	ck_assert(judge_open(&j, &a, RNEAGEN_F64, &none, 1));
 	e = judge_results(&j, &tau);
-	ck_assert(isnan(e.max) && isnan(e.rms) && e.terms == 0);
-	ck_assert(judge_bound(&j, &a, &o, 0, &bound) && isnan(bound));
+	ck_assert(e.max == 0 && e.rms == 0 && e.terms == 0);
+	tau = 1e-9;
+	e = judge_results(&j, &tau);
+	ck_assert(isnan(e.max) && isnan(e.rms));
+	tau = (double)NAN;
+	ck_assert(isinf(judge_results(&j, &tau).max));
+	ck_assert(judge_bound(&j, &a, &o, 0, &bound) && bound == 0);
 	judge_free(&j);
 	analysis_free(&a);
+}
+END_TEST
+
+/* Where all torques are 0 for all states each variant is exact; so are bounds, but for what storing in mixed may underflow by. */
+START_TEST(test_all_zero)
+{
+	static const enum rneagen_precision precisions[] = {RNEAGEN_F32, RNEAGEN_F64, RNEAGEN_MIXED};
+	struct rneagen_options o = rneagen_options_default();
+	struct judged f;
+	double bound = -1, tau[COUNT * 6] = {0};
+
+	o.precision = precisions[_i];
+	judged_open(&f, ROBOTS "all_zero_torque.urdf", RNEAGEN_FIXED, NULL, o.precision, &OPTIONS);
+	ck_assert_uint_eq(f.judge.rows, 6);
+	ck_assert(judge_bound(&f.judge, &f.analysis, &o, 0, &bound));
+	ck_assert_msg(o.precision == RNEAGEN_MIXED ? isnan(bound) : bound == 0, "the bound is %g", bound);
+	ck_assert(judge_results(&f.judge, tau).max == 0);
+	judged_close(&f);
 }
 END_TEST
 
@@ -215,6 +238,7 @@ int main(void)
 	tcase_add_test(c, test_errors);
 	tcase_add_loop_test(c, test_bound, 0, 2 * CASE_COUNT);
 	tcase_add_test(c, test_zero);
+	tcase_add_loop_test(c, test_all_zero, 0, 3);
 	suite_add_tcase(s, c);
 	return suite_run(s);
 }

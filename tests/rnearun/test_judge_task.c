@@ -397,7 +397,7 @@ static double change_of(const char *scene)
 	return change_of_robot(urdf, scene);
 }
 
-/* Of an arm: what its bound changes by, twice its size, is no change of the model. */
+/* Of an arm: what its bound changes by, as much as its size, is no change of the model. */
 START_TEST(test_change_of_bound)
 {
 	size_t length;
