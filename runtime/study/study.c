@@ -162,14 +162,21 @@ void study_show(struct study *s, int done, const struct study_row *row)
 	progress_show(&s->progress, (uint64_t)done, name);
 }
 
+static void close_precision(struct study_precision *x)
+{
+	if (!x)
+		return;
+	judge_free(&x->judge);
+	analysis_free(&x->analysis);
+	free(x);
+}
+
 void study_close(struct study *s)
 {
 	for (int i = 0; i < s->backend_count; i++)
 		close_backend(&s->backends[i]);
 	for (int i = 0; i < STUDY_PRECISIONS; i++) {
-		if (s->judges[i])
-			judge_free(s->judges[i]);
-		free(s->judges[i]);
+		close_precision(s->precisions[i]);
 	}
 	analysis_free(&s->analysis);
 	free(s->variants);
@@ -178,17 +185,30 @@ void study_close(struct study *s)
 
 /* ---- judging ---- */
 
+/* NULL when memory runs out. */
+static struct study_precision *precision_of(struct study *s, enum rneagen_precision precision)
+{
+	struct study_precision **x = &s->precisions[precision];
+	struct rneagen_options g = s->command->generate;
+
+	if (*x || !(*x = calloc(1, sizeof **x)))
+		return *x;
+	g.file = s->command->urdf;
+	g.precision = precision;
+	if (analysis_open(&(*x)->analysis, s->urdf.bytes, s->urdf.length, &g, &s->error) ||
+		!judge_open(&(*x)->judge, &(*x)->analysis, precision, &s->options->sample, s->command->open.threads)) {
+		analysis_free(&(*x)->analysis);
+		free(*x);
+		*x = NULL;
+	}
+	return *x;
+}
+
 const struct judge *study_judge(struct study *s, enum rneagen_precision precision)
 {
-	struct judge **j = &s->judges[precision];
+	const struct study_precision *x = precision_of(s, precision);
 
-	if (*j || !(*j = malloc(sizeof **j)))
-		return *j;
-	if (!judge_open(*j, &s->analysis, precision, &s->options->sample, s->command->open.threads)) {
-		free(*j);
-		*j = NULL;
-	}
-	return *j;
+	return x ? &x->judge : NULL;
 }
 
 struct rneagen_options study_generate(const struct study *s, const struct study_row *row)
@@ -206,11 +226,11 @@ struct rneagen_options study_generate(const struct study *s, const struct study_
 enum rneagen_code study_bound(struct study *s, struct study_row *row)
 {
 	int on_gpu = row->backend == RNEA_BACKEND_CUDA;
-	const struct judge *j = study_judge(s, row->precision);
+	const struct study_precision *x = precision_of(s, row->precision);
 	struct rneagen_options g = study_generate(s, row);
 	double *bound = &s->bounds[row->precision][row->trig][on_gpu];
 
-	if (!j || (*bound == 0 && !judge_bound(j, &s->analysis, &g, on_gpu, bound)))
+	if (!x || (*bound == 0 && !judge_bound(&x->judge, &x->analysis, &g, on_gpu, bound)))
 		return error_memory(&s->error);
 	row->bound_max = *bound;
 	return RNEAGEN_OK;

@@ -53,17 +53,23 @@ struct study_backend {
 	unsigned threads;
 };
 
+/* What the variants of a precision are held against. By a precision's own analysis, since constants may be chosen by it. */
+struct study_precision {
+	struct analysis analysis;
+	struct judge judge;
+};
+
 struct study {
 	const struct command *command;
 	const struct study_options *options;
 	struct file_content urdf;
-	struct analysis analysis;
+	struct analysis analysis; /* of what is the same in all precisions: arrays, ranges */
 	struct study_backend backends[STUDY_WORDS];
 	int backend_count;
 	struct study_row *variants; /* variant_count of them: that nothing was measured of yet */
 	int variant_count;
 	struct progress progress;
-	struct judge *judges[STUDY_PRECISIONS]; /* by enum rneagen_precision; NULL: not yet */
+	struct study_precision *precisions[STUDY_PRECISIONS]; /* by enum rneagen_precision; NULL: not yet */
 	double bounds[STUDY_PRECISIONS][STUDY_WORDS][2]; /* by precision, trig, and whether on a GPU; 0: not yet */
 	double model_change; /* by constants that the scene changes; NAN: none */
 	struct rneagen_error error;
