@@ -26,7 +26,12 @@ def draw_motion(rng, nv):
     size, phase = rng.uniform(0.2, 1, (5, 1, nv)), rng.uniform(0, 2 * np.pi, (5, 1, nv))
     size *= 1.2 / size.sum(0)
     angle = w * t + phase
-    return (size * np.sin(angle)).sum(0), (w * size * np.cos(angle)).sum(0), (-w * w * size * np.sin(angle)).sum(0)
+    return {"q": (size * np.sin(angle)).sum(0), "qd": (w * size * np.cos(angle)).sum(0), "qdd": (-w * w * size * np.sin(angle)).sum(0)}
+
+
+def along(robot, motion):
+    """What the robot computes, of the inputs that it takes: where all joints slide, torques depend on qdd alone."""
+    return robot(**{array.name: motion[array.name] for array in robot.inputs})
 
 
 def another_arm(rng, urdf):
@@ -62,9 +67,9 @@ def main(urdf):
     bodies = regressor.info["inertial_parameters"]["bodies"]  # those of followers too, which model.joints has not
     names = [f"{symbol} of {body['link']}" for body in bodies for symbol in SYMBOLS]
     fitted, other = draw_motion(rng, model.nv), draw_motion(rng, model.nv)
-    torques, unseen = (arm(*motion).ravel() + rng.normal(0, NOISE, SAMPLES * model.nv) for motion in (fitted, other))
+    torques, unseen = (along(arm, motion).ravel() + rng.normal(0, NOISE, SAMPLES * model.nv) for motion in (fitted, other))
 
-    Y = regressor(*fitted).reshape(-1, len(stated))  # [sample][nv][10 nb], samples below one another
+    Y = along(regressor, fitted).reshape(-1, len(stated))  # [sample][nv][10 nb], samples below one another
     columns, P = base_columns(Y)
     found = np.linalg.lstsq(Y[:, columns], torques, rcond=None)[0]
     deviation = NOISE * np.sqrt(np.diag(np.linalg.inv(Y[:, columns].T @ Y[:, columns])))
@@ -75,7 +80,7 @@ def main(urdf):
     for i in np.argsort(-np.abs(P @ stated) / deviation)[:8]:
         print(f"{names[columns[i]]:24}{(P @ stated)[i]:10.4f}{found[i]:10.4f}{(P @ true)[i]:10.4f}{deviation[i]:10.4f}")
 
-    Y = regressor(*other).reshape(-1, len(stated))
+    Y = along(regressor, other).reshape(-1, len(stated))
     before, after = (np.sqrt(np.mean((torque - unseen)**2)) for torque in (Y @ stated, Y[:, columns] @ found))
     print(f"off by {off:.2f} standard deviations (rms). Torques of another motion are predicted within "
           f"{before:.2f} N m by the URDF, {after:.3f} by what was found; the noise is {NOISE}")
