@@ -1,6 +1,9 @@
 /* Orientation as a quaternion: the product of those of the joints on the way, which have half of their angles. No sign is chosen
-   by what the result is, so it is continuous in q; that of a floating base is q's own, with its norm. */
+   by what the result is, so it is continuous in q; that of a floating base is q's own, with its norm. The sign of all is chosen
+   where q is zero. */
+#include "dag/eval.h"
 #include "kinematics/kinematics.h"
+#include <math.h>
 
 /* a b, of x y z w: (a_w b_v + b_w a_v + a_v x b_v, a_w b_w - a_v.b_v) */
 static void multiply(struct dag *d, const struct ref *a, const struct ref *b, struct ref *out)
@@ -116,11 +119,58 @@ struct smat quaternion_turn(const struct kinematics *x, int body)
 	return out;
 }
 
+/* Is it w of a floating body's q? */
+static int is_upright(const struct kinematics *x, const struct node *input)
+{
+	int argument = (int)input->arg[0].i;
+	int is_q = argument < x->d->argument_count && x->d->arguments[argument].role == ROLE_JOINT_POSITION;
+
+	for (int i = 0; i < x->t->body_count && is_q; i++)
+		if (x->t->bodies[i].type == JOINT_FLOATING && x->t->bodies[i].iq + 6 == (int)input->arg[1].i)
+			return 1;
+	return 0;
+}
+
+/* Of each node where all inputs are zero, and floating bodies stand along their parents' axes. NULL when memory runs out. */
+static double *values_at_zero(const struct kinematics *x)
+{
+	size_t count = x->d->count;
+	double *v = arena_alloc(x->d->arena, count, sizeof *v);
+
+	for (size_t i = 0; i < count && v; i++) {
+		const struct node *n = &x->d->nodes[i];
+
+		if (n->op == OP_CONST || n->op == OP_INPUT)
+			v[i] = n->op == OP_CONST ? (double)n->value : is_upright(x, n);
+		else
+			v[i] = eval_node(n, v);
+	}
+	return v;
+}
+
+/* The sign of w, or of the first of x, y and z that is not zero, where w is: however the frames on the way are turned. */
+static int is_negative(const struct kinematics *x, const struct ref *quaternion)
+{
+	static const int order[] = {3, 0, 1, 2};
+	static const double least = 1e-6; /* far above rounding */
+	const double *v = values_at_zero(x);
+
+	for (int k = 0; k < 4 && v; k++)
+		if (fabs(v[quaternion[order[k]].i]) > least)
+			return v[quaternion[order[k]].i] < 0;
+	return 0;
+}
+
 void quaternion_of(const struct kinematics *x, int body, const struct placement *X, struct ref *quaternion)
 {
 	const struct rotation C = rotation_mul(&x->bodies[body].C, &X->R);
 	struct ref constant[4];
 
 	of_rotation(x->d, &C, constant);
+	multiply(x->d, x->bodies[body].quaternion, constant, quaternion);
+	if (!is_negative(x, quaternion))
+		return;
+	for (int i = 0; i < 4; i++)
+		constant[i] = dag_neg(x->d, constant[i]);
 	multiply(x->d, x->bodies[body].quaternion, constant, quaternion);
 }

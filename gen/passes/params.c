@@ -57,8 +57,7 @@ static enum rneagen_code look_at_request(const struct analysis *a, char *keeps, 
 		for (int i = 0; i < a->tree.body_count; i++) {
 			int parent = a->tree.bodies[i].parent;
 
-			if ((request_wants(k, WANT_POTENTIAL) && parent < 0) ||
-				(request_wants_any(k, OF_MASSES) && lumps_is_held(&a->tree, parent)))
+			if ((request_wants(k, WANT_POTENTIAL) || request_wants_any(k, OF_MASSES)) && lumps_is_held(&a->tree, parent))
 				keeps[i] = 1;
 		}
 	}

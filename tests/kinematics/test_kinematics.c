@@ -161,6 +161,40 @@ static int draw_scene(
 	return 1;
 }
 
+/* All joints at zero, floating ones along their parents' axes. */
+static void stand_at_zero(struct kin_case *c)
+{
+	for (int j = 0; j < c->reference->nj; j++) {
+		const struct reference_joint *x = &c->reference->joints[j];
+
+		for (int k = 0; k < x->nq; k++)
+			c->q[x->iq + k] = x->nq == 7 && k == 6;
+	}
+	kin_settle(c);
+}
+
+/* There the first of w, x, y and z that is not zero is positive, by whatever parameters: texts of one robot then have one sign. It
+   would catch a sign that comes of the frames on the way. */
+static void check_signs(struct kin_case *c)
+{
+	static const int order[] = {6, 3, 4, 5};
+	const struct request *k = &c->analysis.request;
+
+	stand_at_zero(c);
+	kin_evaluate(c);
+	for (int i = 0; i < k->want_count; i++) {
+		struct kin_matrix m = kin_found(c, &k->wants[i], c->out);
+		int first = 0;
+
+		if (k->wants[i].kind == WANT_POSE && m.lines == 7) {
+			while (first < 3 && wide_abs(m.x[order[first]]) < WIDE_C(1e-6))
+				first++;
+			ck_assert_msg(m.x[order[first]] > 0, "%s: %s has another sign", c->what, k->wants[i].word);
+		}
+		kin_matrix_free(&m);
+	}
+}
+
 static int compare(struct kin_case *c, const char *urdf, const char *part, const struct rneagen_options *o,
 	const char *held, uint64_t seed)
 {
@@ -175,6 +209,7 @@ static int compare(struct kin_case *c, const char *urdf, const char *part, const
 		kin_evaluate(c);
 		compared += kin_compare(c, NOISE);
 	}
+	check_signs(c);
 	kin_close(c);
 	return compared;
 }
