@@ -82,7 +82,7 @@ int scene_joint(const struct scene *s, const struct scene_choice *c, const struc
 static int has_kind(enum scene_key key)
 {
 	return key == SCENE_FOLD || key == SCENE_WANT || key == SCENE_FREE || key == SCENE_JVP ||
-		key == SCENE_VJP || key == SCENE_BY;
+		key == SCENE_VJP || key == SCENE_BY || key == SCENE_RANGE;
 }
 
 /* A name without the blanks around it, unless the robot has one with them. */

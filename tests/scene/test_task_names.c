@@ -299,6 +299,21 @@ START_TEST(directions)
 }
 END_TEST
 
+/* Blanks at the end of a joint's name are its own, where the robot has such a name: each word that takes one finds it. */
+START_TEST(blanks)
+{
+	static const char padded[] = ROBOT("r", BALL("world") BALL("arm ") JOINT("swing ", "revolute", "world", "arm ", ""));
+	static const char *const scenes[] = {"range q.swing =-1,1", "fold qd.swing =0", "free offset.swing ", "free damping.swing ",
+		"want wrench.swing "};
+	struct rneagen_options o = rneagen_options_default();
+	struct scene_model m;
+
+	o.scene = scenes[_i];
+	ck_assert_msg(!scene_open(&m, padded, &o), "%s: %s", o.scene, m.error.message);
+	scene_close(&m);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("task_names");
@@ -310,6 +325,7 @@ int main(void)
 	tcase_add_test(c, hostile);
 	tcase_add_test(c, kernels_own);
 	tcase_add_test(c, directions);
+	tcase_add_loop_test(c, blanks, 0, 5);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }
