@@ -126,6 +126,7 @@ static void make_leash(int *ends)
 		close(low);
 }
 
+/* The group is known when it runs already: a process that is killed before this leaves it. */
 static void hold_leash(const int *ends, pid_t group)
 {
 	if (fcntl(ends[0], F_SETOWN, -group) == 0)

@@ -145,7 +145,8 @@ START_TEST(chatters)
 }
 END_TEST
 
-/* A program that is killed takes the compiler along, and what that has started: both hold a pipe, which ends then. */
+/* A program that is killed takes the compiler along, and what that has started: both hold a pipe, which ends then. The compiler waits
+   before it says that it is at work: the program is to have come from starting it (hold_leash of child.c). */
 START_TEST(orphaned)
 {
 	struct pollfd ready = {.events = POLLIN};
@@ -155,7 +156,7 @@ START_TEST(orphaned)
 	ck_assert_int_eq(mkfifo(inside("held"), 0600), 0);
 	ck_assert_int_ge(ready.fd = open(inside("held"), O_RDONLY | O_NONBLOCK | O_CLOEXEC), 0);
 	use_script("compiler", "case $* in *--version*) exit 1 ;; esac\n"
-		"exec 9>\"${0%/*}/held\"\nsleep 100 &\necho at work >&9\nwait\n");
+		"exec 9>\"${0%/*}/held\"\nsleep 100 &\nsleep 2\necho at work >&9\nwait\n");
 	ck_assert_int_ge(pid = fork(), 0);
 	if (!pid) {
 		fail_pendulum();
