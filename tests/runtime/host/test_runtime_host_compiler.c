@@ -145,8 +145,8 @@ START_TEST(chatters)
 }
 END_TEST
 
-/* A program that is killed takes the compiler along, and what that has started: both hold a pipe, which ends then. The compiler waits
-   before it says that it is at work: the program is to have come from starting it (hold_leash of child.c). */
+/* A program that is killed takes the compiler along, and what that has started: both hold a pipe, which ends then. The compiler
+   waits before it says that it is at work: the program is to have come from starting it (hold_leash of child.c). */
 START_TEST(orphaned)
 {
 	struct pollfd ready = {.events = POLLIN};
