@@ -31,7 +31,7 @@ struct target_type {
 	const struct kernel_frames *kernel; /* NULL: there are no kernels */
 	int has_unit;                       /* may run where there is a unit for sine and cosine */
 	int has_batches;                    /* some functions take batches */
-	int is_header;                      /* C++ too; functions of one sample, without loops over columns and without a table for librnea */
+	int is_header;                      /* C++ too; functions of one sample, without loops over columns or a table for librnea */
 	const char *aliases;                /* which arrays of a sample may be one */
 	const char *note;                   /* for the head of the text */
 };

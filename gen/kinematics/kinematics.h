@@ -78,8 +78,8 @@ void jacobian_frame(const struct kinematics *x, const struct want *w, struct sma
 void quaternion_place(const struct kinematics *x, int body);
 struct smat quaternion_turn(const struct kinematics *x, int body);
 
-/* The quaternion x y z w of a frame at X in a body, continuous in q. Where q is zero, and floating bodies along their parents' axes, w is
-   positive, or the first of x, y and z that is not zero, if w is. */
+/* The quaternion x y z w of a frame at X in a body, continuous in q. Where q is zero, and floating bodies along their parents'
+   axes, w is positive, or the first of x, y and z that is not zero, if w is. */
 void quaternion_of(const struct kinematics *x, int body, const struct placement *X, struct ref *quaternion);
 
 #endif

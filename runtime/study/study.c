@@ -175,9 +175,8 @@ void study_close(struct study *s)
 {
 	for (int i = 0; i < s->backend_count; i++)
 		close_backend(&s->backends[i]);
-	for (int i = 0; i < STUDY_PRECISIONS; i++) {
+	for (int i = 0; i < STUDY_PRECISIONS; i++)
 		close_precision(s->precisions[i]);
-	}
 	analysis_free(&s->analysis);
 	free(s->variants);
 	free(s->urdf.bytes);
@@ -185,16 +184,23 @@ void study_close(struct study *s)
 
 /* ---- judging ---- */
 
+static struct rneagen_options options_of(const struct study *s, enum rneagen_precision precision)
+{
+	struct rneagen_options g = s->command->generate;
+
+	g.file = s->command->urdf;
+	g.precision = precision;
+	return g;
+}
+
 /* NULL when memory runs out. */
 static struct study_precision *precision_of(struct study *s, enum rneagen_precision precision)
 {
 	struct study_precision **x = &s->precisions[precision];
-	struct rneagen_options g = s->command->generate;
+	struct rneagen_options g = options_of(s, precision);
 
 	if (*x || !(*x = calloc(1, sizeof **x)))
 		return *x;
-	g.file = s->command->urdf;
-	g.precision = precision;
 	if (analysis_open(&(*x)->analysis, s->urdf.bytes, s->urdf.length, &g, &s->error) ||
 		!judge_open(&(*x)->judge, &(*x)->analysis, precision, &s->options->sample, s->command->open.threads)) {
 		analysis_free(&(*x)->analysis);
@@ -213,11 +219,9 @@ const struct judge *study_judge(struct study *s, enum rneagen_precision precisio
 
 struct rneagen_options study_generate(const struct study *s, const struct study_row *row)
 {
-	struct rneagen_options g = s->command->generate;
+	struct rneagen_options g = options_of(s, row->precision);
 
-	g.file = s->command->urdf;
 	g.target = row->backend == RNEA_BACKEND_CUDA ? RNEAGEN_TARGET_CUDA : RNEAGEN_TARGET_C;
-	g.precision = row->precision;
 	g.trig = row->trig;
 	g.layout = row->layout;
 	return g;

@@ -16,17 +16,6 @@ enum { SEED = 77, SCENE = 1024, SAMPLES = 5 };
 
 static const double NOISE = 4 * 0x1p-53, EPS[] = {0x1p-52, 0x1p-23};
 
-static char *read_text(const char *folder, const char *name)
-{
-	char path[1024], *text;
-	size_t length;
-
-	snprintf(path, sizeof path, "%s/%s", folder, name);
-	text = read_file(path, &length);
-	ck_assert_msg(text != NULL, "%s cannot be read", path);
-	return text;
-}
-
 /* How many rows of qd move an entry. */
 static int chain_rows(const struct reference *r, int entry)
 {
@@ -64,7 +53,8 @@ static void check_robot(const char *folder, const char *name, enum rneagen_base 
 	struct kin_case *c = calloc(1, sizeof *c);
 	struct rneagen_options o = rneagen_options_default();
 	const struct reference_options ro = {.floating = base == RNEAGEN_FLOATING};
-	char *urdf = read_text(folder, name), scene[SCENE], message[256];
+	size_t length;
+	char *urdf = read_text(folder, name, &length), scene[SCENE], message[256];
 	struct reference *r = reference_open(urdf, strlen(urdf), &ro, message, sizeof message);
 	const char *link;
 

@@ -25,15 +25,23 @@ char *read_file(const char *path, size_t *length)
 	return s;
 }
 
+char *read_text(const char *directory, const char *name, size_t *length)
+{
+	char path[1024], *text;
+
+	snprintf(path, sizeof path, "%s/%s", directory, name);
+	text = read_file(path, length);
+	ck_assert_msg(text != NULL, "%s cannot be read", path);
+	return text;
+}
+
 char *robot_text(const char *name)
 {
-	char path[512], *urdf;
+	char file[256];
 	size_t length;
 
-	snprintf(path, sizeof path, "%s/robots/%s.urdf", TEST_DIR, name);
-	urdf = read_file(path, &length);
-	ck_assert_msg(urdf != NULL, "%s cannot be read", path);
-	return urdf;
+	snprintf(file, sizeof file, "%s.urdf", name);
+	return read_text(TEST_DIR "/robots", file, &length);
 }
 
 void read_memory(struct read *r, const char *xml, size_t length, const char *file)
@@ -50,12 +58,9 @@ void read_memory(struct read *r, const char *xml, size_t length, const char *fil
 
 void read_robot(struct read *r, const char *directory, const char *name)
 {
-	char path[1024], *text;
 	size_t length;
+	char *text = read_text(directory, name, &length);
 
-	snprintf(path, sizeof path, "%s/%s", directory, name);
-	text = read_file(path, &length);
-	ck_assert_msg(text != NULL, "%s cannot be read", path);
 	read_memory(r, text, length, name);
 	free(text);
 }

@@ -7,7 +7,8 @@
 /* The whole file, NUL-terminated; the caller frees it. NULL if it cannot be read. */
 char *read_file(const char *path, size_t *length);
 
-/* The same of tests/robots/NAME.urdf. Aborts the test if it cannot be read. */
+/* The same of DIRECTORY/NAME, and of tests/robots/NAME.urdf. They abort the test if it cannot be read. */
+char *read_text(const char *directory, const char *name, size_t *length);
 char *robot_text(const char *name);
 
 struct read {

@@ -39,9 +39,9 @@ int emit_stage_words(const struct emission *e)
 	return emit_is_apart(e) ? words_of(e, e->parts, e->part_count) : stage_words(&emit_main(e)->dag, e->options);
 }
 
-/* Parts in f64. H200, both gradients, ps for each of a million samples, the first kernel as it was, on the arrays themselves, and with
-   slices: atlas 7540 and 6960, g1_29dof 7050 and 6760, of half a million jvrc1 23200 and 22270; 1024 samples, us: g1_29dof 53.7 and
-   49.7, jvrc1 129 and 100. */
+/* Parts in f64. H200, both gradients, ps for each of a million samples, the first kernel as it was, on the arrays themselves, and
+   with slices: atlas 7540 and 6960, g1_29dof 7050 and 6760, of half a million jvrc1 23200 and 22270; 1024 samples, us: g1_29dof
+   53.7 and 49.7, jvrc1 129 and 100. */
 int emit_start_words(const struct emission *e)
 {
 	int words = e->relay ? words_of(e, e->relay->starts, e->relay->start_count) : 0;

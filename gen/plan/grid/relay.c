@@ -20,9 +20,9 @@ enum { MULTIPROCESSORS = 132, MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, WARPS
 	BLOCK_BYTES = 99 << 10 };
 
 /* Values at once of a part of the first kernel in f64, beyond which its limbs serve more samples than beside other parts, and how
-   many. H200, both gradients, us, the first kernel in segments, in parts, and by limbs; in brackets values in a part: 64, 1024, 2048 and
-   4096 samples: atlas (206) 39.2 43.2 38.9, 50.0 52.4 50.1, 61.4 63.5 62.0, 75.5 81.0 79.2; g1_29dof (179) in parts unstaged, staged, and
-   by limbs 43.6 39.1 40.2, 55.3 51.3 55.8, 64.3 59.3 66.8, 78.1 75.4 80.9. */
+   many. H200, both gradients, us, the first kernel in segments, in parts, and by limbs; in brackets values in a part: 64, 1024,
+   2048 and 4096 samples: atlas (206) 39.2 43.2 38.9, 50.0 52.4 50.1, 61.4 63.5 62.0, 75.5 81.0 79.2; g1_29dof (179) in parts
+   unstaged, staged, and by limbs 43.6 39.1 40.2, 55.3 51.3 55.8, 64.3 59.3 66.8, 78.1 75.4 80.9. */
 enum { START_ALIVE_DOUBLE = 190, START_MOST = 2048 };
 
 /* Which kernel writes an output. */
@@ -163,15 +163,20 @@ static int build(struct relay *r, const struct dag *raw, struct dag *columns, co
 		build_solve(r, &share, name_of(x, "solve", a), x, a) && build_between(r, &share, columns, x, spare, a);
 }
 
-int relay_bytes(const struct relay *r, const struct rneagen_options *o)
+static int bytes_of(const struct relay *r, const struct rneagen_options *o, int samples)
 {
-	return r->solve.function.segments.slots[0] * stage_number_bytes(o) * r->samples;
+	return r->solve.function.segments.slots[0] * stage_number_bytes(o) * samples;
 }
 
-/* Blocks of the third kernel for which a multiprocessor's shared memory has room; each takes 1 KiB more. */
-static int fitting(const struct relay *r, const struct rneagen_options *o)
+int relay_bytes(const struct relay *r, const struct rneagen_options *o)
 {
-	return MULTIPROCESSOR_BYTES / (relay_bytes(r, o) + 1024);
+	return bytes_of(r, o, r->samples);
+}
+
+/* Blocks of so many samples of the third kernel for which a multiprocessor's shared memory has room; each takes 1 KiB more. */
+static int fitting(const struct relay *r, const struct rneagen_options *o, int samples)
+{
+	return MULTIPROCESSOR_BYTES / (bytes_of(r, o, samples) + 1024);
 }
 
 /* Blocks of a small batch beyond which more along y gain nothing: each makes the factors anew, and those that do not run at once
@@ -180,29 +185,29 @@ static int fitting(const struct relay *r, const struct rneagen_options *o)
    each: atlas in f32 48.9 and 53.0, g1_29dof 44.0 and 47.8; 2 and 4 with two threads for each sample: atlas in f64 76.9 and 79.5. */
 static int side_by_side(const struct relay *r, const struct rneagen_options *o)
 {
-	int fit = fitting(r, o), most = WARPS * WARP_THREADS / (r->threads * r->samples);
+	int fit = fitting(r, o, r->samples), most = WARPS * WARP_THREADS / (r->threads * r->samples);
 
 	if (o->precision == RNEAGEN_F64)
 		most = r->threads > 1 ? DOUBLE_BLOCKS / 2 : DOUBLE_BLOCKS;
 	return fit < most ? fit : most;
 }
 
-/* As many warps as registers have room for. Where shared memory has room for the factors of fewer warps, several threads share a
-   sample's columns. In f32, where it has room for those of WARPS_SHORT, the factors of M take no more than 168 registers, and blocks
-   of two warps' samples read and write longer pieces of rows. H200, ps for each of a million samples, with a thread for each sample in
-   blocks of a warp, and so: floating g1_29dof in f32 14710 and 12400, floating atlas 13390 and 12740, in f64 atlas 7810 and 7560,
-   g1_29dof 7290 and 7050, floating hyq 3780 and 3860 (16384 samples, us: 89 and 82); and with two warps' samples, in f32 atlas 3880
-   and 3270, of them by 8 warps 3680, by 12 in blocks of one 3750, of four 3350; g1_29dof 3580 and 3320, floating hyq 2230 and 1900. */
+/* As many warps as registers have room for. Where shared memory has room for the factors of fewer warps, several threads share
+   a sample's columns. In f32, where it has room for those of WARPS_SHORT, the factors of M take no more than 168 registers, and
+   blocks of two warps' samples read and write longer pieces of rows. H200, ps for each of a million samples, with a thread for
+   each sample in blocks of a warp, and so: floating g1_29dof in f32 14710 and 12400, floating atlas 13390 and 12740, in f64 atlas
+   7810 and 7560, g1_29dof 7290 and 7050, floating hyq 3780 and 3860 (16384 samples, us: 89 and 82); and with two warps' samples,
+   in f32 atlas 3880 and 3270, of them by 8 warps 3680, by 12 in blocks of one 3750, of four 3350; g1_29dof 3580 and 3320, floating
+   hyq 2230 and 1900. */
 static void set_grid(struct relay *r, const struct rneagen_options *o)
 {
-	r->samples = 2 * WARP_THREADS;
-	int is_wide = o->precision == RNEAGEN_F32 && 2 * fitting(r, o) >= WARPS_SHORT;
+	enum { WIDE = 2 * WARP_THREADS };
+	int is_wide = o->precision == RNEAGEN_F32 && 2 * fitting(r, o, WIDE) >= WARPS_SHORT;
 
-	if (!is_wide)
-		r->samples = WARP_THREADS;
+	r->samples = is_wide ? WIDE : WARP_THREADS;
 	if (relay_bytes(r, o) > BLOCK_BYTES)
 		return;
-	for (r->threads = 1; !is_wide && r->threads * fitting(r, o) < WARPS; r->threads *= 2)
+	for (r->threads = 1; !is_wide && r->threads * fitting(r, o, WARP_THREADS) < WARPS; r->threads *= 2)
 		;
 	r->blocks = is_wide ? WARPS_SHORT / 2 : WARPS / r->threads;
 	r->room = MULTIPROCESSORS * side_by_side(r, o);
@@ -310,8 +315,8 @@ void relay_dump(const struct relay *r, struct text *out)
 	add_solve(&solve, &r->solve.function);
 	text_printf(out, "start: %u flops, %d values at once, parts: %d\n", plan_flops(plan_operations(&r->start.function.plan)),
 		r->start_count ? parts_alive(r->starts, r->start_count) : r->start.alive, r->start_count ? r->start_count : 1);
-	text_printf(out, "solve: %u flops, %d values for %d loops over %d columns, %d threads for each of %d samples\n", plan_flops(solve),
-		r->solve.function.segments.slots[0], r->solve.function.dag.loop_count, relay_columns(r), r->threads,
+	text_printf(out, "solve: %u flops, %d values for %d loops over %d columns, %d threads for each of %d samples\n",
+		plan_flops(solve), r->solve.function.segments.slots[0], r->solve.function.dag.loop_count, relay_columns(r), r->threads,
 		r->samples);
 }
 

@@ -92,7 +92,8 @@ static const char *name_of(const struct function *p, struct arena *a)
 }
 
 /* p->beside: of all ways the one with the fewest operations. A header has no functions for loops over columns. */
-static int make_beside(struct function *p, const struct request *k, const struct rneagen_options *o, int is_header, struct arena *a)
+static int make_beside(struct function *p, const struct request *k, const struct rneagen_options *o, int is_header,
+	struct arena *a)
 {
 	static segments_build *const builds[] = {build_four, build_two, build_coordinates};
 	const char *name = name_of(p, a);

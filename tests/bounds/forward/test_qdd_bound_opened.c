@@ -69,13 +69,15 @@ static double check(const struct solved *x, const union sample *s, int is_wide, 
 	return most / size;
 }
 
-static struct rnea_robot *open_robot(const char *path, enum rneagen_precision precision, int floating)
+static struct rnea_robot *open_robot(const char *name, enum rneagen_precision precision, int floating)
 {
 	struct rneagen_options g = rneagen_options_default();
 	struct rnea_options o = {.backend = RNEA_BACKEND_EVALUATOR, .threads = 1};
 	struct rnea_robot *robot;
 	struct rnea_error e;
+	char path[512];
 
+	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", name);
 	g.scene = "want qdd,qdd_bound";
 	g.precision = precision;
 	g.base = floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
@@ -91,16 +93,12 @@ START_TEST(evaluated)
 	struct rng rng = rng_seed(SEED);
 	struct rnea_robot *robot;
 	struct solved x;
-	char path[512], *urdf;
-	size_t length;
+	char *urdf = robot_text(name);
 	double most = 0;
 
-	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", name);
-	urdf = read_file(path, &length);
-	ck_assert_ptr_nonnull(urdf);
 	solved_open(&x, urdf, floating, 0, 0, name);
 	ck_assert(x.nq <= FORWARD_ROWS);
-	robot = open_robot(path, KINDS[kind].precision, floating);
+	robot = open_robot(name, KINDS[kind].precision, floating);
 	for (int k = 0; k < SAMPLES; k++) {
 		union sample s = {0};
 		struct rnea_error e;
