@@ -5730,8 +5730,8 @@ static int atlas_are_small(const float *q, size_t count, size_t first, size_t en
 
 /* Samples first to end - 1 of `from`, and the last one again and again until there are `samples`, to [row][room]; and
    back. */
-static void atlas_gather(float *restrict to, const float *restrict from, const size_t rows, const size_t count,
-	const size_t first, const size_t end, const size_t samples, const size_t room)
+static void atlas_gather(float *restrict to, const float *restrict from, const size_t rows,
+	const size_t count, const size_t first, const size_t end, const size_t samples, const size_t room)
 {
 	for (size_t r = 0; r < rows; r++) {
 		for (size_t k = 0; k < samples; k++)
@@ -5741,8 +5741,8 @@ static void atlas_gather(float *restrict to, const float *restrict from, const s
 	}
 }
 
-static void atlas_scatter(const float *restrict from, float *restrict to, const size_t rows, const size_t count,
-	const size_t first, const size_t end, const size_t room)
+static void atlas_scatter(const float *restrict from, float *restrict to, const size_t rows,
+	const size_t count, const size_t first, const size_t end, const size_t room)
 {
 	for (size_t r = 0; r < rows; r++)
 		for (size_t k = first; k < end; k++)

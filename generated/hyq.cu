@@ -3779,8 +3779,8 @@ static int hyq_are_small(const float *q, size_t count, size_t first, size_t end)
 
 /* Samples first to end - 1 of `from`, and the last one again and again until there are `samples`, to [row][room]; and
    back. */
-static void hyq_gather(float *restrict to, const float *restrict from, const size_t rows, const size_t count,
-	const size_t first, const size_t end, const size_t samples, const size_t room)
+static void hyq_gather(float *restrict to, const float *restrict from, const size_t rows,
+	const size_t count, const size_t first, const size_t end, const size_t samples, const size_t room)
 {
 	for (size_t r = 0; r < rows; r++) {
 		for (size_t k = 0; k < samples; k++)
@@ -3790,8 +3790,8 @@ static void hyq_gather(float *restrict to, const float *restrict from, const siz
 	}
 }
 
-static void hyq_scatter(const float *restrict from, float *restrict to, const size_t rows, const size_t count,
-	const size_t first, const size_t end, const size_t room)
+static void hyq_scatter(const float *restrict from, float *restrict to, const size_t rows,
+	const size_t count, const size_t first, const size_t end, const size_t room)
 {
 	for (size_t r = 0; r < rows; r++)
 		for (size_t k = first; k < end; k++)

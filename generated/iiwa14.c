@@ -1130,8 +1130,8 @@ static int iiwa14_are_small(const double *q, size_t count, size_t first, size_t 
 
 /* Samples first to end - 1 of `from`, and the last one again and again until there are `samples`, to [row][room]; and
    back. */
-static void iiwa14_gather(double *restrict to, const double *restrict from, const size_t rows, const size_t count,
-	const size_t first, const size_t end, const size_t samples, const size_t room)
+static void iiwa14_gather(double *restrict to, const double *restrict from, const size_t rows,
+	const size_t count, const size_t first, const size_t end, const size_t samples, const size_t room)
 {
 	for (size_t r = 0; r < rows; r++) {
 		for (size_t k = 0; k < samples; k++)
@@ -1141,8 +1141,8 @@ static void iiwa14_gather(double *restrict to, const double *restrict from, cons
 	}
 }
 
-static void iiwa14_scatter(const double *restrict from, double *restrict to, const size_t rows, const size_t count,
-	const size_t first, const size_t end, const size_t room)
+static void iiwa14_scatter(const double *restrict from, double *restrict to, const size_t rows,
+	const size_t count, const size_t first, const size_t end, const size_t room)
 {
 	for (size_t r = 0; r < rows; r++)
 		for (size_t k = first; k < end; k++)

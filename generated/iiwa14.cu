@@ -1185,8 +1185,8 @@ static int iiwa14_are_small(const float *q, size_t count, size_t first, size_t e
 
 /* Samples first to end - 1 of `from`, and the last one again and again until there are `samples`, to [row][room]; and
    back. */
-static void iiwa14_gather(float *restrict to, const float *restrict from, const size_t rows, const size_t count,
-	const size_t first, const size_t end, const size_t samples, const size_t room)
+static void iiwa14_gather(float *restrict to, const float *restrict from, const size_t rows,
+	const size_t count, const size_t first, const size_t end, const size_t samples, const size_t room)
 {
 	for (size_t r = 0; r < rows; r++) {
 		for (size_t k = 0; k < samples; k++)
@@ -1196,8 +1196,8 @@ static void iiwa14_gather(float *restrict to, const float *restrict from, const 
 	}
 }
 
-static void iiwa14_scatter(const float *restrict from, float *restrict to, const size_t rows, const size_t count,
-	const size_t first, const size_t end, const size_t room)
+static void iiwa14_scatter(const float *restrict from, float *restrict to, const size_t rows,
+	const size_t count, const size_t first, const size_t end, const size_t room)
 {
 	for (size_t r = 0; r < rows; r++)
 		for (size_t k = first; k < end; k++)
