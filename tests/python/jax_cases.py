@@ -290,6 +290,24 @@ def case_positions():
     refused(TypeError, ["v", "bfloat16", "float32"], robot.integrate, q, v.astype("bfloat16"))
 
 
+def case_mujoco():
+    """MuJoCo's convention: NumPy's values, and derivatives by MuJoCo's coordinates."""
+    robot = load("cartpole", base="floating", convention="mujoco")
+    x, plain = arrays(robot, 4), robot.random(4, seed=SEED)
+    assert near(jax.jit(robot)(*x), robot(*plain)) and near(jax.vmap(robot)(*x), robot(*plain))
+    assert near(robot(plain.q, *x[1:]), robot(*plain))
+    for want in ("tau", "M"):
+        other = robot.want(want)
+        names = [a.name for a in other.inputs]
+        given = [dict(zip(("q", "qd", "qdd"), x))[name] for name in names]
+        for order, modes in ((1, ["fwd", "rev"]), *([(2, ["rev"])] if want == "tau" else [])):
+            check_grads(lambda q, *rest: other(unit(robot, q), *rest), given, order, modes, rtol=1e-4, atol=1e-3)
+    moved = jax.jit(lambda q, v: robot.difference(q, robot.integrate(q, v)))(x[0], x[1] / 9)
+    assert near(moved, plain.qd / 9)
+    refused(TypeError, ["qd", "float32", "float64"], robot, x[0], x[1].astype("float32"), x[2])
+    refused(TypeError, ["bind", "jax.jit"], robot.bind, *x)
+
+
 def case_transforms():
     """scan, checkpoint, linearize, linear_transpose and a gradient of a gradient's user; what has no second derivatives says
     so."""
@@ -392,8 +410,6 @@ def case_refusals():
     refused(TypeError, ["out", "written"], robot, q, qd, qdd, out=qdd)
     refused(TypeError, ["bind", "jax.jit"], robot.bind, q, qd, qdd)
     refused(TypeError, ["sparse"], robot.want("M", sparse=True), q)
-    refused(TypeError, ["mujoco"], load("cartpole", base="floating", convention="mujoco"),
-            *arrays(load("cartpole", base="floating"), 2))
     refused(TypeError, ["float64", "float32"], load("iiwa14", precision="f32"), q, qd, qdd)
     jax.config.update("jax_enable_x64", False)
     try:

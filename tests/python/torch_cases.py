@@ -395,6 +395,27 @@ def case_positions():
     assert near(moved(q, v), v) and moved(q.float(), v).dtype == torch.float64
 
 
+def case_mujoco():
+    """MuJoCo's convention: NumPy's values, derivatives by MuJoCo's coordinates, and in one graph."""
+    for name, want in (("cartpole", ["tau", "M", "gravity"]), ("shuffled_order", ["qdd"])):
+        check_gradient(name, base="floating", convention="mujoco", want=want)
+    robot = load("cartpole", base="floating", convention="mujoco")
+    x, arrays = tensors(robot, 6), robot.random(6, seed=SEED)
+    right = torch.from_numpy(robot(*arrays)).to(device)
+    assert near(robot(*x), right) and near(torch.func.vmap(robot)(*x), right)
+    out = torch.empty_like(right)
+    assert robot(*x, out=out) is out and near(out, right)
+    assert near(robot.nonLinearEffects(*x[:2]), torch.from_numpy(robot.nonLinearEffects(*arrays[:2])).to(device))
+    compiled = torch.compile(lambda q, v, a: robot(robot.integrate(q, v), v, a), fullgraph=True, backend=backend)
+    moved = robot.integrate(arrays.q, arrays.qd)
+    assert near(compiled(*x), torch.from_numpy(robot(moved, *arrays[1:])).to(device))
+    assert near(robot.difference(x[0], robot.integrate(x[0], x[1] / 9)), x[1] / 9)
+    refused(TypeError, ["qd", "float32", "float64"], robot, x[0], x[1].float(), x[2])
+    refused(ValueError, ["qd", "(5, 8)", "(6, 8)"], robot, x[0], x[1][:5], x[2])
+    refused(TypeError, ["mujoco", "bind"], robot.bind, *x)
+    refused(ValueError, ["q", "gradient", "out="], robot, x[0].clone().requires_grad_(), x[1], x[2], out=out)
+
+
 def case_pieces():
     """Tensors in several pieces are copied: of a state that is split, and where a gradient goes back to it."""
     robot = load("iiwa14")
@@ -534,8 +555,6 @@ def case_refusals():
     bounded = load("iiwa14", want="qdd_bound")
     refused(NotImplementedError, ["qdd_bound", "no gradient", "bound"],
             bounded(q.clone().requires_grad_(), qd, qdd).sum().backward)
-    refused(TypeError, ["mujoco"], load("cartpole", base="floating", convention="mujoco"),
-            *tensors(load("cartpole", base="floating"), 2))
     refused(TypeError, ["float64", "float32"], load("iiwa14", precision="f32"), q, qd, qdd)
 
 

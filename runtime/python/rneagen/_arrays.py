@@ -159,10 +159,15 @@ def tuple_out(robot, out: Any, kind: str) -> tuple:
 
 def refuse(robot, is_sparse: bool) -> None:
     """What other arrays than NumPy's have not."""
-    if robot._conversion:
-        raise TypeError(f"convention {robot.convention!r} is for arrays of NumPy")
     if is_sparse:
         raise TypeError("sparse matrices are for arrays of NumPy; take sparse=False")
+
+
+def refuse_conversion(robot) -> None:
+    """What a bound step has not."""
+    if robot._conversion:
+        raise TypeError(f"bind: convention {robot.convention!r} converts the arrays at every call; "
+                        "bind a robot of convention 'pinocchio'")
 
 
 def adapter(robot, arrays: Sequence[Any], out: Any):
@@ -235,16 +240,13 @@ def _returned(out: Any, result: Any):
 
 
 def call(robot, arrays: Sequence[Any], out: Any):
-    complete_arrays = complete(robot, arrays)
     if robot._conversion:
-        return _returned(out, robot._conversion.call(robot, complete_arrays, plain(out)))
-    return robot._wrap(_returned(out, robot._run(complete_arrays, plain(out))))
+        return robot._conversion.call([x if x is None else numpy.asarray(x) for x in arrays], out)
+    return robot._wrap(_returned(out, robot._run(complete(robot, arrays), plain(out))))
 
 
 def bind(robot, arrays: Sequence[Any], out: Any):
-    if robot._conversion:
-        raise TypeError(f"bind: convention {robot.convention!r} converts the arrays at every call; "
-                        "bind a robot of convention 'pinocchio'")
+    refuse_conversion(robot)
     if robot.sparse:
         raise TypeError("bind: sparse matrices are made at every call; take sparse=False")
     return robot._bind(complete(robot, arrays), plain(out))

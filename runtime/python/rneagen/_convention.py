@@ -1,5 +1,5 @@
-"""MuJoCo's convention of a floating base, on top of the library's, which is Pinocchio's. Arrays of NumPy, converted
-at every call.
+"""MuJoCo's convention of a floating base, on top of the library's, which is Pinocchio's. Arrays of NumPy, PyTorch, JAX
+and CuPy are converted at every call by functions of their own library, which differentiates through them.
 
     pinocchio   q = x y z qx qy qz qw; qd = the twist in the base's frame, linear then angular; qdd its componentwise
                 derivative; tau = force then moment, in the base's frame
@@ -7,88 +7,148 @@ at every call.
                 its derivative, so the linear part is the classical acceleration; tau = force in the world's frame,
                 moment in the base's
 
-With R the base's rotation, v_world = R v, w the same: qdd_world = R (a + w x v), f_world = R f.
+With R the base's rotation, v_world = R v, w the same: qdd_world = R (a + w x v), f_world = R f, M_world = T M T' with
+T = diag(R, 1).
 """
 from __future__ import annotations
 
-from typing import Any, Sequence
+from typing import Any, NamedTuple, Sequence
 
-import numpy
-
+from . import _arrays, _lie
 from ._gradient import FREED, PARTS
 
 VECTORS = ("joint_torque", "gravity_torque")  # outputs that are forces
-MATRICES = {"mass_matrix": "forward", "mass_matrix_inverse": "inverse"}
+MATRICES = ("mass_matrix", "mass_matrix_inverse")
 OTHERS = ("power", "kinetic_energy", "potential_energy", "link_twist", "link_acceleration", "joint_wrench", "body_twists",
           "link_pose", "center_of_mass", "center_of_mass_velocity", "momentum", "momentum_rate")
 
 
-def rotation(q: numpy.ndarray) -> numpy.ndarray:
-    """(..., 3, 3) of unit quaternions x y z w in q[..., 3:7]."""
-    x, y, z, w = (q[..., i] for i in range(3, 7))
-    rows = [[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
-            [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
-            [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]]
-    return numpy.stack([numpy.stack(row, -1) for row in rows], -2)
+def position_of(xp, q):
+    """With the quaternion's scalar last."""
+    return xp.concatenate((q[..., :3], q[..., 4:7], q[..., 3:4], q[..., 7:]), -1)
 
 
-def turn(R: numpy.ndarray, v: numpy.ndarray) -> numpy.ndarray:
-    return numpy.einsum("...ij,...j->...i", R, v)
+def position_from(xp, q):
+    """With the quaternion's scalar first."""
+    return xp.concatenate((q[..., :3], q[..., 6:7], q[..., 3:6], q[..., 7:]), -1)
+
+
+def linear(xp, x, change):
+    """Rows x with their first three changed."""
+    return xp.concatenate((change(x[..., :3]), x[..., 3:]), -1)
+
+
+class Base(NamedTuple):
+    """What conversions are made of."""
+    xp: Any  # the module of the arrays' functions
+    cross: Any  # its cross product along the last axis
+    quaternion: Any  # x y z w, made unit: derivatives by it are those on unit quaternions
+    coriolis: Any  # w x v, in the base's frame
+
+    def to_world(self, v):
+        return _lie.turned(self.cross, self.quaternion, v)
+
+    def to_base(self, v):
+        return _lie.turned(self.cross, _lie.inverse(self.xp, self.quaternion), v)
+
+    def matrix_to_world(self, M):
+        """T M T' of a symmetric M."""
+        rows = self._replace(quaternion=self.quaternion[..., None, :])
+        return linear(self.xp, self.xp.swapaxes(linear(self.xp, M, rows.to_world), -1, -2), rows.to_world)
 
 
 class MuJoCo:
-    """Conversions of one robot's arrays."""
+    """Conversions of one robot's arrays; `native` is the robot of convention "pinocchio"."""
 
-    def __init__(self, inputs: Sequence, outputs: Sequence):
-        self.roles = {array.role: i for i, array in enumerate(inputs)}
-        for array in (*inputs, *outputs):
+    def __init__(self, native):
+        self.native = native
+        self.roles = {array.role for array in native.inputs}
+        self.refuse_others()
+
+    def refuse_others(self) -> None:
+        native = self.native
+        for joint in native.joints:
+            if joint["nq"] != joint["nv"] and joint["iq"]:
+                raise ValueError(f"convention 'mujoco': joint '{joint['name']}' floats behind other joints; take 'pinocchio'")
+        for array in (*native.inputs, *native.outputs):
             good = (*VECTORS, *MATRICES, *OTHERS, "joint_acceleration") if array.is_output else \
                 (*PARTS, *FREED, "link_wrench")
             if array.role not in good:
                 raise ValueError(f"convention 'mujoco' has no {array.word} of a floating base; take 'pinocchio'")
-        has_acceleration = any(a.role == "joint_acceleration" for a in (*inputs, *outputs))
-        if has_acceleration and not {"joint_position", "joint_velocity"} <= set(self.roles):
+            if array.is_output and array.role in MATRICES and native.sparse:
+                raise ValueError("convention 'mujoco' has no sparse matrices of a floating base; take sparse=False")
+        every = self.roles | {array.role for array in native.outputs}
+        if "joint_acceleration" in every and not {"joint_position", "joint_velocity"} <= self.roles:
             raise ValueError("convention 'mujoco': accelerations need q and qd, which the scene leaves out; take 'pinocchio'")
-
-    def inputs(self, arrays: Sequence[numpy.ndarray]) -> tuple[list[numpy.ndarray], numpy.ndarray | None, numpy.ndarray | None]:
-        """As the library takes them, the rotation, and w x v."""
-        arrays = [x.copy() for x in arrays]
-        by_role = {role: arrays[i] for role, i in self.roles.items()}
-        q, R, cross = by_role.get("joint_position"), None, None
-        if q is not None:
-            q[..., 3:7] = q[..., [4, 5, 6, 3]]
-            R = rotation(q)
-        inverse: Any = None if R is None else numpy.swapaxes(R, -1, -2)
-        for role in ("joint_velocity", "joint_acceleration", "joint_torque"):
-            if role in by_role and inverse is None:
-                raise ValueError("convention 'mujoco' needs q, which the scene leaves out; take 'pinocchio'")
-            if role in by_role:
-                by_role[role][..., :3] = turn(inverse, by_role[role][..., :3])
-        if "joint_velocity" in by_role:
-            qd = by_role["joint_velocity"]
-            cross = numpy.cross(qd[..., 3:6], qd[..., :3])
-        if "joint_acceleration" in by_role and cross is not None:
-            by_role["joint_acceleration"][..., :3] -= cross
-        return arrays, R, cross
-
-    def output(self, role: str, value, R, cross):
-        if role in OTHERS:
-            return value
-        if R is None:
+        if every & {*VECTORS, *MATRICES, "joint_velocity"} and "joint_position" not in self.roles:
             raise ValueError("convention 'mujoco' needs q, which the scene leaves out; take 'pinocchio'")
-        if role in MATRICES:
-            value[..., :3, :] = numpy.einsum("...ij,...jk->...ik", R, value[..., :3, :])
-            value[..., :, :3] = numpy.einsum("...ij,...kj->...ki", R, value[..., :, :3])
-            return value
-        if role == "joint_acceleration":
-            value[..., :3] += cross
-        value[..., :3] = turn(R, value[..., :3])
-        return value
 
-    def call(self, robot, arrays: Sequence[numpy.ndarray], out):
-        robot._check(tuple(map(numpy.ascontiguousarray, arrays)))
-        converted, R, cross = self.inputs(arrays)
-        result = robot._run(tuple(numpy.ascontiguousarray(x) for x in converted), out)
-        several = isinstance(result, tuple)
-        values = [self.output(a.role, x, R, cross) for a, x in zip(robot.outputs, result if several else (result,))]
-        return result if several else values[0]
+    # ---- calls ----
+
+    def call(self, arrays: Sequence[Any], out: Any):
+        """A call on arrays of one library, None for what was left out."""
+        given = {a.role: x for a, x in zip(self.native.inputs, arrays) if x is not None and a.role in PARTS}
+        self.check(arrays)
+        base = self.base(given)
+        converted = [x if x is None else self.input(a.role, x, base) for a, x in zip(self.native.inputs, arrays)]
+        made = self.native(*converted) if out is None else self.native(*converted, out=out)
+        several = made if isinstance(made, tuple) else (made,)
+        values = [self.output(a.role, x, base) for a, x in zip(self.native.outputs, several)]
+        if out is None:
+            return self.native._join(values)
+        for x, value in zip(several, values):
+            x[...] = value
+        return out
+
+    def check(self, arrays: Sequence[Any]) -> None:
+        """What the native robot would no longer see: shapes, and types of numbers, before they are converted."""
+        given = [(a, x) for a, x in zip(self.native.inputs, arrays) if x is not None]
+        first, like = given[0]
+        for array, x in given:
+            if str(x.dtype).rpartition(".")[2] not in ("float32", "float64"):
+                raise TypeError(f"{array.name}: its dtype is {x.dtype}; float32 or float64 is wanted")
+            if x.dtype != like.dtype:
+                raise TypeError(f"{array.name}: its dtype is {x.dtype}, and that of {first.name} is {like.dtype}: "
+                                "all arrays have one")
+        _arrays.lead_of((a, tuple(x.shape)) for a, x in given)
+
+    def base(self, given: dict[str, Any]) -> Base | None:
+        """Of the arrays by role."""
+        if "joint_position" not in given:
+            return None
+        xp, cross, q = _lie.namespace(q=given["joint_position"])
+        base = Base(xp, cross, _lie.unit(xp, position_of(xp, q)[..., 3:7]), None)
+        if "joint_velocity" not in given:
+            return base
+        qd = given["joint_velocity"]
+        return base._replace(coriolis=cross(qd[..., 3:6], base.to_base(qd[..., :3])))
+
+    def input(self, role: str, x, base: Base | None):
+        if base is None or role not in PARTS:
+            return x
+        if role == "joint_position":
+            return position_of(base.xp, x)
+        if role == "joint_acceleration":
+            return linear(base.xp, x, lambda a: base.to_base(a) - base.coriolis)
+        return linear(base.xp, x, base.to_base)
+
+    def output(self, role: str, x, base: Base | None):
+        if base is None or role in OTHERS:
+            return x
+        if role in MATRICES:
+            return base.matrix_to_world(x)
+        if role == "joint_acceleration":
+            return linear(base.xp, x, lambda a: base.to_world(a + base.coriolis))
+        return linear(base.xp, x, base.to_world)
+
+    # ---- positions ----
+
+    def moved(self, xp, cross, q, v):
+        """The base's q by its velocity: the position adds, the quaternion moves as it does by a twist."""
+        twist = xp.concatenate((xp.zeros_like(v[..., :3]), v[..., 3:]), -1)
+        return linear(xp, position_from(xp, _lie.moved(xp, cross, position_of(xp, q), twist)), lambda p: p + v[..., :3])
+
+    def between(self, xp, cross, q0, q1):
+        """The velocity by which q0 becomes q1, turning by pi at most."""
+        twist = _lie.between(xp, cross, position_of(xp, q0), position_of(xp, q1))
+        return linear(xp, twist, lambda a: q1[..., :3] - q0[..., :3])

@@ -192,6 +192,8 @@ def constant(values: numpy.ndarray, shape: tuple[int, ...], like: Any):
 def call(robot, arrays: Sequence[Any], out: Any):
     if not on_gpu(next(x for x in arrays if x is not None)):
         return on_host(robot, arrays, out)
+    if robot._conversion:
+        return robot._conversion.call(arrays, out)
     _arrays.refuse(robot, robot.sparse)
     kernel, addresses, count, stream, outputs, _ = prepare(robot, arrays, out)
     kernel.launch(addresses, count, stream)
@@ -201,6 +203,7 @@ def call(robot, arrays: Sequence[Any], out: Any):
 def bind(robot, arrays: Sequence[Any], out: Any):
     if not on_gpu(next(x for x in arrays if x is not None)):
         raise TypeError("bind: take arrays of NumPy: numpy.from_dlpack makes them without a copy")
+    _arrays.refuse_conversion(robot)
     _arrays.refuse(robot, robot.sparse)
     kernel, addresses, count, stream, outputs, views = prepare(robot, arrays, out)
     return kernel.bind(addresses, count, stream, robot._join(outputs), (views, tuple(arrays)))

@@ -123,23 +123,18 @@ def joined(robot, xp, plain, floating):
     return xp.concatenate(pieces, -1) if len(pieces) > 1 else pieces[0]
 
 
-def check(robot, **given: tuple[Any, int]) -> None:
-    """Arrays (..., rows), of the same leading axes; and a convention that has these velocities."""
-    if robot._conversion:
-        raise TypeError(f"convention {robot.convention!r}: positions move by velocities of convention 'pinocchio'")
-    _names.lead_of((name, x, rows) for name, (x, rows) in given.items())
-
-
 def integrate(robot, q, v):
-    check(robot, q=(q, robot.nq), v=(v, robot.nv))
+    _names.lead_of([("q", q, robot.nq), ("v", v, robot.nv)])
     xp, cross, q, v = namespace(q=q, v=v)
-    return joined(robot, xp, lambda i, k: q[..., i] + v[..., k], lambda i, k: moved(xp, cross, q[..., i], v[..., k]))
+    move = robot._conversion.moved if robot._conversion else moved
+    return joined(robot, xp, lambda i, k: q[..., i] + v[..., k], lambda i, k: move(xp, cross, q[..., i], v[..., k]))
 
 
 def difference(robot, q0, q1):
-    check(robot, q0=(q0, robot.nq), q1=(q1, robot.nq))
+    _names.lead_of([("q0", q0, robot.nq), ("q1", q1, robot.nq)])
     xp, cross, q0, q1 = namespace(q0=q0, q1=q1)
-    return joined(robot, xp, lambda i, k: q1[..., i] - q0[..., i], lambda i, k: between(xp, cross, q0[..., i], q1[..., i]))
+    differ = robot._conversion.between if robot._conversion else between
+    return joined(robot, xp, lambda i, k: q1[..., i] - q0[..., i], lambda i, k: differ(xp, cross, q0[..., i], q1[..., i]))
 
 
 def neutral(robot, dtype) -> numpy.ndarray:

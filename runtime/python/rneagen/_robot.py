@@ -147,10 +147,14 @@ class Robot(_core.Robot):
     __signature__ = Signature()
 
     def __init__(self, urdf: bytes, file: str, options: dict[str, Any]):
+        self._make(urdf, file, options, None)
+
+    def _make(self, urdf: bytes, file: str, options: dict[str, Any], model: Any) -> None:
+        """`model`: of the same text, where there is one."""
         self._urdf, self._file, self._options = urdf, file, dict(options)
         self._generator = self._generator_options(dense=not self.sparse)
         try:
-            self._model = translated(_core.Model, urdf, self._generator)
+            self._model = model or translated(_core.Model, urdf, self._generator)
         except RobotError as error:
             raise _options.explained(error, self._generator.get("scene", "")) from None
         self._facts, self._joints = self._model.facts(), self._model.joints()
@@ -161,8 +165,10 @@ class Robot(_core.Robot):
         self.inputs = tuple(a for a in arrays if not a.is_output)
         self.outputs = tuple(a for a in arrays if a.is_output)
         self._conversion = None
-        if self.convention == "mujoco" and self._facts["floating"]:
-            self._conversion = _convention.MuJoCo(self.inputs, self.outputs)
+        if self.convention == "mujoco" and any(joint["nq"] != joint["nv"] for joint in self._joints):
+            native = Robot.__new__(Robot)
+            native._make(urdf, file, {**options, "convention": "pinocchio"}, self._model)
+            self._conversion = _convention.MuJoCo(native)
         self._is_sparse = self.sparse and any(a.is_matrix for a in self.outputs)
         self._outputs = tuple_of("Outputs", tuple(_arrays.identifiers(self.outputs))) if len(self.outputs) > 1 else None
         self._kernels: dict[tuple, Any] = {}
@@ -490,7 +496,8 @@ class Robot(_core.Robot):
     def nonLinearEffects(self, *args: Any, **kwargs: Any) -> Any:
         """tau = nonLinearEffects(q, qd): of gravity and velocities, (..., nv)."""
         if self._conversion:  # M of the base's Coriolis term is in it: MuJoCo's qdd = 0 is another than ours
-            return self.want("tau")(*args, **kwargs, qdd=numpy.zeros_like(args[1] if len(args) > 1 else kwargs["qd"]))
+            xp, _, qd = _lie.namespace(qd=args[1] if len(args) > 1 else kwargs["qd"])
+            return self.want("tau")(*args, **kwargs, qdd=xp.zeros_like(qd))
         return _names.call(self._unfolded("tau").want("bias"), ("q", "qd"), args, kwargs)
 
     @_names.takes("q")
@@ -538,7 +545,7 @@ def load(urdf: str | os.PathLike | bytes, **keywords: Unpack[Keywords]) -> Robot
     backend="cpu"                 "cpu", "cuda" or "evaluator" for arrays of NumPy; unless given the processor
     device=0, threads=0, block=0, cache=None
     sparse=False                  matrices as rneagen.Sparse instead of (..., nv, nv); dense= is for these alone
-    convention="pinocchio"        "mujoco": quaternion and velocity of a floating base as MuJoCo has them
+    convention="pinocchio"        "mujoco": position, velocity and torque of a floating base as MuJoCo has them
 
     Raises RobotError with the generator's message if the URDF or the scene is at fault; TypeError for a keyword that
     is not known.

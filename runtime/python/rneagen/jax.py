@@ -62,8 +62,10 @@ def call(robot, arrays: Sequence[Any], out: Any):
     """A call whose arrays are JAX's."""
     if out is not None:
         raise TypeError("out: arrays of JAX cannot be written; a call returns new ones")
-    operator = robot.__dict__.get("_jax") or _jax_operator.operator_of(robot)
     given = [None if x is None else x if isinstance(x, jax.Array) else jnp.asarray(x) for x in arrays]
+    if robot._conversion:
+        return robot._conversion.call(given, None)
+    operator = robot.__dict__.get("_jax") or _jax_operator.operator_of(robot)
     lead = check(robot, given)
     dtype = next(x for x in given if x is not None).dtype
     whole = [jnp.asarray(_arrays.fill(a, lead, dtype)) if x is None else x for a, x in zip(robot.inputs, given)]

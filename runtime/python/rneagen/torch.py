@@ -120,6 +120,8 @@ def call(robot, arrays: Sequence[Any], out: Any):
         return beside_graph(robot, arrays, out)
     if _is_autocast():
         arrays = widened(arrays)
+    if robot._conversion:
+        return robot._conversion.call(arrays, out)
     if out is not None:
         outputs = _arrays.tuple_out(robot, out, "tensors")
         every = (*arrays, *outputs)
@@ -139,6 +141,7 @@ def constant(values: ndarray, shape: tuple[int, ...], like: Tensor) -> Tensor:
 
 def bind(robot, arrays: Sequence[Any], out: Any):
     """A step on tensors, in the stream that is current now; it has no gradient."""
+    _arrays.refuse_conversion(robot)
     outputs = None if out is None else _arrays.tuple_out(robot, out, "tensors")
     refuse_gradient("a bound step", robot, (*arrays, *(outputs or ())))
     return operator_of(robot).step(arrays, outputs, out)
