@@ -32,6 +32,9 @@ HAD = ("There are no third derivatives, and second ones by q, qd, qdd and tau al
 REFUSED = {"jvp": f"it is a derivative along a direction. {HAD}", "joint_acceleration_bound": "it is a bound"}  # by role
 
 
+DERIVATION = re.compile(r"(vjp|jvp|second|apart|along)(_(none|\d+(x\d+)*))*")
+
+
 class Library(NamedTuple):
     """What differs between the caller's libraries."""
     run: Callable[[Any, list], Sequence]  # the outputs of a robot, of arrays for all its inputs
@@ -72,7 +75,7 @@ class Gradients:
                     if not constant:
                         raise
                     words.remove(constant[1])
-            self.made[key] = robot, words
+            self.made[key] = self.named(robot, key), words
         return self.made[key]
 
     def freed(self, apart: tuple[str, ...]) -> dict[str, Any]:
@@ -85,8 +88,32 @@ class Gradients:
         """The robot with these constants one for each sample."""
         key = "apart", words
         if key not in self.made:
-            self.made[key] = self.robot._with(**self.freed(words))
+            self.made[key] = self.named(self.robot._with(**self.freed(words)), key)
         return self.made[key]
+
+    # ---- their names ----
+    # A program that a library has kept from another run calls operators of derivatives that this run has not made yet.
+
+    def named(self, robot, key: tuple):
+        """The robot, which knows how it was made: the words of `key` by their places."""
+        kind, *parts = key
+        places = [a.word for a in (*self.robot.inputs, *self.robot.outputs)]
+        if robot is not None:
+            numbers = [[str(places.index(word)) for word in part] for part in parts]
+            robot._derivation = self.robot, "_".join([kind, *("x".join(part) or "none" for part in numbers)])
+        return robot
+
+    def derived(self, derivation: str):
+        """The robot that `named` has named so."""
+        kind, *parts = derivation.split("_")
+        arrays = (*self.robot.inputs, *self.robot.outputs)
+        found = [[] if part == "none" else [arrays[int(i)] for i in part.split("x")] for part in parts]
+        if kind == "along":
+            return self.along_robot()
+        if kind == "apart":
+            return self.robot_apart(tuple(a.word for a in found[0]))
+        apart = tuple(a.word for part in found[(1 if kind == "second" else 2):] for a in part)
+        return self.second_robot(found[0], apart) if kind == "second" else self.make(kind, found[0], found[1], apart)[0]
 
     def lacking(self, what: str) -> NotImplementedError:
         return NotImplementedError(f"{self.robot.name}: {what}. {HAD}")
@@ -156,7 +183,8 @@ class Gradients:
         words = tuple(a.word for a in by if a.role not in PARTS)
         key = "second", words, apart
         if key not in self.made:
-            self.made[key] = self.robot._with(want=None, jvp=["vjp"], by=list(words) or None, sparse=None, **self.freed(apart))
+            made = self.robot._with(want=None, jvp=["vjp"], by=list(words) or None, sparse=None, **self.freed(apart))
+            self.made[key] = self.named(made, key)
         return self.made[key]
 
     def along_robot(self):
@@ -164,7 +192,8 @@ class Gradients:
         if "along" not in self.made:
             weights = next(a for a in self.robot.inputs if a.role == "cotangent")
             words = self.robot._options.get("vjp") or weights.of or ("qdd" if self.is_forward else "tau")
-            self.made["along"] = self.robot._with(want=None, jvp=words, vjp=None, by=None, sparse=None)
+            made = self.robot._with(want=None, jvp=words, vjp=None, by=None, sparse=None)
+            self.made["along"] = self.named(made, ("along",))
         return self.made["along"]
 
     def transposed(self, product, vjp, g):

@@ -103,13 +103,19 @@ def identity(robot: "Robot") -> str:
     return re.sub(r"\W|^(?=\d)", "_", words, flags=re.ASCII)[:60] + "_" + digest[:12]
 
 
+def operator_name(robot: "Robot") -> str:
+    """A derivative is named after what it is of, and after how it is made of that (_gradient.py)."""
+    parent, derivation = robot.__dict__.get("_derivation", (None, ""))
+    return f"{operator_name(parent)}__{derivation}" if parent else identity(robot)
+
+
 def operator_of(robot: "Robot", library: str, operators: dict[str, Any], lock: Any, make: Callable[[str], Any]):
     """What another library calls this robot by, made of its name when it is first needed, and kept as the robot's member
     `library`. Robots that compute the same share it; `operators`, by name, lives as long as the program."""
     found = robot.__dict__.get(library)
     if found is None:
         _arrays.refuse(robot, robot._is_sparse)
-        name = identity(robot)
+        name = operator_name(robot)
         with lock:
             found = operators.get(name) or operators.setdefault(name, make(name))
         setattr(robot, library, found)

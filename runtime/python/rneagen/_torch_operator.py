@@ -20,6 +20,7 @@ _transforms_active = getattr(torch._C, "_are_functorch_transforms_active", lambd
 
 class Operator:
     """A robot as operators of torch.library: `op`, which makes its outputs; `op_out`, which writes into those it is given."""
+    defined: set[str] = set()  # names, from the moment on at which PyTorch asks whether they are there
 
     def __init__(self, robot, name: str, function_for):
         self.robot, self.name, self.function_for = robot, name, function_for
@@ -29,6 +30,7 @@ class Operator:
         self.plans: dict[tuple, Plan] = {}  # by shape, dtype and device of the first tensor: what all others are then
         self.defaults: dict[tuple, Tensor] = {}  # inputs that were left out
         self.gradients = _torch_gradient.Gradients(robot, function_for)
+        self.defined.add(name)
         self.op = self._define()
         self.function = function_of(self)
         self._out: Any = None

@@ -26,6 +26,7 @@ from torch import Tensor
 from torch.autograd import forward_ad
 
 from . import _arrays, _robot
+from ._gradient import DERIVATION
 from ._torch_operator import Operator, check_dense, is_plain, lock, names_of
 
 HALVES = (torch.float16, torch.bfloat16)
@@ -42,6 +43,20 @@ _plain_call, _plain_wanting = _robot.Robot.__call__, _robot.Robot._wanting
 
 def operator_of(robot) -> Operator:
     return _robot.operator_of(robot, "_torch", _operators, lock, lambda name: Operator(robot, name, function_for))
+
+
+def derive(name: str) -> None:
+    """What torch.ops.rneagen asks first for a name that it does not know. Graphs that torch.compile has kept from another run
+    are not traced again, and call derivatives by names that nothing has made here."""
+    parent, _, derivation = name.rpartition("__")
+    if DERIVATION.fullmatch(derivation):
+        with lock:
+            if name not in Operator.defined and hasattr(torch.ops.rneagen, parent):
+                operator_of(_operators[parent].gradients.derived(derivation))
+    raise AttributeError(name)
+
+
+vars(torch.ops.rneagen)["__getattr__"] = derive
 
 
 @torch.compiler.assume_constant_result
