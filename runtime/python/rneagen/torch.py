@@ -45,18 +45,24 @@ def operator_of(robot) -> Operator:
     return _robot.operator_of(robot, "_torch", _operators, lock, lambda name: Operator(robot, name, function_for))
 
 
-def derive(name: str) -> None:
-    """What torch.ops.rneagen asks first for a name that it does not know. Graphs that torch.compile has kept from another run
-    are not traced again, and call derivatives by names that nothing has made here."""
+def find(name: str) -> None:
+    """What torch.ops.rneagen asks first for a name that it does not know: that of a robot that was not called yet, or of a
+    derivative. Programs of torch.export, and graphs that torch.compile has kept from another run, come with such names."""
     parent, _, derivation = name.rpartition("__")
-    if DERIVATION.fullmatch(derivation):
-        with lock:
-            if name not in Operator.defined and hasattr(torch.ops.rneagen, parent):
-                operator_of(_operators[parent].gradients.derived(derivation))
+    with lock:
+        if name in Operator.defined:
+            pass
+        elif DERIVATION.fullmatch(derivation) and hasattr(torch.ops.rneagen, parent):
+            operator_of(_operators[parent].gradients.derived(derivation))
+        else:
+            for robot in list(_robot.ALIVE.values()):
+                if not robot._is_sparse and _robot.operator_name(robot) == name:
+                    operator_of(robot)
+                    break
     raise AttributeError(name)
 
 
-vars(torch.ops.rneagen)["__getattr__"] = derive
+vars(torch.ops.rneagen)["__getattr__"] = find
 
 
 @torch.compiler.assume_constant_result
