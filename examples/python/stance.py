@@ -48,8 +48,8 @@ def main(urdf, *feet):
     tau[:, :6] = 0  # nothing drives the base
     qdd, force = stance.accelerate(q, qd, tau)
     error = np.linalg.norm(stance.torques(q, qd, qdd, force) - tau, axis=-1) / np.linalg.norm(tau, axis=-1)
-    print(f"{stance.robot.name}, {len(feet)} feet, {SAMPLES} states: inverse dynamics gives back the torques that went in, but for "
-          f"{np.median(error):.1e} of them, at most {error.max():.1e}")
+    print(f"{stance.robot.name}, {len(feet)} feet, {SAMPLES} states: inverse dynamics gives back the torques that went in, "
+          f"but for {np.median(error):.1e} of them, at most {error.max():.1e}")
     return error.max()
 
 
