@@ -19,7 +19,7 @@ void dag_copy(struct dag *out, const struct dag *d, struct ref *map, dag_copier 
 
 	for (int i = 0; i < d->argument_count; i++)
 		dag_argument_of(out, d->arguments[i]);
-	memcpy(out->arguments + DAG_COLUMN, d->arguments + DAG_COLUMN, DAG_LOOPS * sizeof *d->arguments);
+	memcpy(out->arguments + DAG_COLUMN, d->arguments + DAG_COLUMN, (DAG_EVERY - DAG_COLUMN) * sizeof *d->arguments);
 	memcpy(out->runs, d->runs, sizeof out->runs);
 	memcpy(out->rooms, d->rooms, sizeof out->rooms);
 	memcpy(out->puts, d->puts, sizeof out->puts);

@@ -104,6 +104,10 @@ enum { DAG_EACH = 1 << 16 };
 
 enum { DAG_RUNS = 256, DAG_LOOPS = 256, DAG_PUTS = 1152 };
 
+/* What loops leave of a column for the last loop, which then goes over the columns of all: rows of an array of the column's own,
+   zero where its loop leaves nothing. No rows: there is no such loop. */
+enum { DAG_REDUCED = DAG_COLUMN + DAG_LOOPS, DAG_EVERY };
+
 struct dag {
 	struct arena *arena;
 	struct node *nodes;
@@ -116,7 +120,7 @@ struct dag {
 	int is_each;             /* these are made by loops over limbs, one lane after the other (plan/lanes/each.h) */
 	struct dag_lanes *lanes; /* of constants that are not the same in all lanes */
 	size_t lane_count, lane_capacity;
-	struct argument arguments[DAG_ARGUMENTS + DAG_LOOPS]; /* the last ones, of the loops, are not counted */
+	struct argument arguments[DAG_EVERY]; /* the last ones, of the loops, are not counted */
 	int argument_count;
 	struct output *outputs;
 	size_t output_count, output_capacity;
@@ -178,6 +182,11 @@ static inline int dag_section_loops(const struct section *s)
 
 /* How many columns a loop goes over. */
 int dag_loop_columns(const struct dag *d, int loop);
+
+/* Let the loops before the last one leave so many rows of DAG_REDUCED for it. Is this loop such a last one? One before it? */
+void dag_loops_reduce(struct dag *d, int rows);
+int dag_loop_is_last(const struct dag *d, int loop);
+int dag_loop_reduces(const struct dag *d, int loop);
 
 /* Room for where so many rows of the outputs begin into which elements are put; NULL when memory runs out. */
 int *dag_loops_begin_rows(struct dag *d, int count);

@@ -31,11 +31,27 @@ void dag_loop_over(struct dag *d, int argument, int first)
 
 int dag_loop_columns(const struct dag *d, int loop)
 {
-	int count = d->rooms[loop].columns;
+	int count = d->rooms[loop].columns, is_of_all = dag_loop_is_last(d, loop);
 
 	for (int i = 0; i < d->run_count; i++)
-		count += d->runs[i].loop == loop ? d->runs[i].count : 0;
+		count += is_of_all || d->runs[i].loop == loop ? d->runs[i].count : 0;
 	return count;
+}
+
+void dag_loops_reduce(struct dag *d, int rows)
+{
+	d->arguments[DAG_REDUCED] =
+		(struct argument){.name = "reduced", .rows = rows, .is_output = 1, .per_batch = 1, .role = ROLE_UNKNOWN, .of = ""};
+}
+
+int dag_loop_is_last(const struct dag *d, int loop)
+{
+	return d->arguments[DAG_REDUCED].rows && loop == d->loop_count - 1;
+}
+
+int dag_loop_reduces(const struct dag *d, int loop)
+{
+	return d->arguments[DAG_REDUCED].rows && loop < d->loop_count - 1;
 }
 
 int *dag_loops_begin_rows(struct dag *d, int count)

@@ -252,7 +252,7 @@ int emit_mark_arguments(const struct plan *p, unsigned char *used);
 /* What a segment reads and writes: these arguments, and of what goes across, wide or not, whether any, and whether beyond the
    first. */
 struct touched {
-	unsigned char arguments[DAG_ARGUMENTS + DAG_LOOPS];
+	unsigned char arguments[DAG_EVERY];
 	int across[2], step, stride;
 };
 

@@ -198,7 +198,7 @@ static void put_unused_sines(const struct emission *e, const struct plan *p, str
 
 void emit_unused(const struct emission *e, const struct plan *p, const char *prefix, struct text *out)
 {
-	unsigned char used[DAG_ARGUMENTS + DAG_LOOPS] = {0};
+	unsigned char used[DAG_EVERY] = {0};
 	int stride = emit_mark_arguments(p, used);
 
 	for (int i = 0; i < p->dag->argument_count; i++)

@@ -199,16 +199,17 @@ static void put_stored(const struct unparser *u, struct ref value, struct text *
 	text_put(out, is_splat ? ")" : "");
 }
 
-/* What a relay's first kernel writes the next one reads, and it may stand in a slice. */
-static int is_streamed(const struct unparser *u)
+/* What a relay's first kernel writes the next one reads, and it may stand in a slice; what loops leave for the last one is the
+   thread's own. */
+static int is_streamed(const struct unparser *u, const struct output *o)
 {
-	return emit_is_streamed(u->emission) && !emit_is_start(u->emission, u->function);
+	return emit_is_streamed(u->emission) && !emit_is_start(u->emission, u->function) && o->argument != DAG_REDUCED;
 }
 
 static void put_store(const struct unparser *u, size_t output, struct text *out)
 {
 	const struct output *o = &u->plan->dag->outputs[output];
-	int slot = slot_of(u, output), is_call = slot >= 0 || (!u->numbers->is_beside && is_streamed(u));
+	int slot = slot_of(u, output), is_call = slot >= 0 || (!u->numbers->is_beside && is_streamed(u, o));
 
 	if (u->numbers->is_beside) {
 		text_printf(out, "bound[%d]", unparse_first_bound(u->plan->dag, o->argument) + o->row);

@@ -46,7 +46,7 @@ int factor_make(struct factor *f, struct dag *d, int n, const int *order, const 
 	return 1;
 }
 
-/* From the last row on. */
+/* L^T y = b from the last row on. */
 void factor_reduce(const struct factor *f, struct ref *x)
 {
 	for (int i = f->n - 1; i >= 0; i--)
@@ -54,10 +54,15 @@ void factor_reduce(const struct factor *f, struct ref *x)
 			x[f->row[j]] = minus_product(f->d, x[f->row[j]], f->L[i * f->n + j], x[f->row[i]]);
 }
 
-/* L^T y = b, z = D^-1 y, L x = z from the first row on. */
 void factor_solve(const struct factor *f, struct ref *x)
 {
 	factor_reduce(f, x);
+	factor_expand(f, x);
+}
+
+/* z = D^-1 y, L x = z from the first row on. */
+void factor_expand(const struct factor *f, struct ref *x)
+{
 	for (int i = 0; i < f->n; i++)
 		x[f->row[i]] = dag_mul(f->d, x[f->row[i]], f->inverse[i]);
 	for (int i = 0; i < f->n; i++)

@@ -23,6 +23,9 @@ void factor_solve(const struct factor *f, struct ref *x);
 /* The first half of it, L^T y = b in place: a^T M^-1 b is the sum of y_a y_b/D. */
 void factor_reduce(const struct factor *f, struct ref *x);
 
+/* The second half: D L x = y in place. */
+void factor_expand(const struct factor *f, struct ref *x);
+
 /* M^-1, [n][n], symmetric. */
 void factor_inverse(const struct factor *f, struct ref *X);
 

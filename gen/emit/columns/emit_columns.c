@@ -81,9 +81,24 @@ static int is_last(const struct function *p, int loop)
 
 static const char *what_text(const struct function *p, int loop, int is_row)
 {
+	if (dag_loop_is_last(&p->dag, loop))
+		return "d qdd of what another segment has left of a column, in its place";
+	if (dag_loop_reduces(&p->dag, loop))
+		return "what a column that stands in the place of d qdd leaves for the last segment";
 	if (is_way(p, loop))
 		return is_row ? "coordinates side by side, from a link to the one before" : "a coordinate, from a link to the one before";
 	return is_row ? "d qdd = -M^-1 of the columns of d tau, in their place" : "d qdd = M^-1 of a column that stands in its place";
+}
+
+/* What goes from the loop of a limb's columns to that of all. */
+static const char *reduced_text(const struct emission *e, const struct function *p, int loop)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (dag_loop_is_last(&p->dag, loop) || dag_loop_reduces(&p->dag, loop))
+		text_printf(&t, ", %s%s *const reduced", dag_loop_is_last(&p->dag, loop) ? "const " : "", e->memory->type);
+	return text_string(&t);
 }
 
 /* Statements are made in `spare` before they are indented. */
@@ -96,7 +111,7 @@ void emit_columns(const struct emission *e, const struct function *p, int segmen
 		{"PITCH", pitch_text(e, p, loop_of(p, segment))}, {"LANES", emit_int(e, emit_lanes(e, s))}, {"SEGMENT", emit_int(e, segment)},
 		{"COUNT", emit_int(e, s->count)}, {"UNUSED", unused_text(e, &s->plans[segment])},
 		{"NUMBER", emit_int(e, loop_of(p, segment))}, {"WHAT", what_text(p, loop_of(p, segment), is_row)},
-		{"COLUMNS", emit_int(e, dag_loop_columns(&p->dag, loop_of(p, segment)))}};
+		{"REDUCED", reduced_text(e, p, loop_of(p, segment))}, {"COLUMNS", emit_int(e, dag_loop_columns(&p->dag, loop_of(p, segment)))}};
 	size_t from = out->length, count = sizeof slots / sizeof *slots;
 	const char *frame = is_many ? template_segment_columns_many_in
 		: is_row ? template_segment_columns_c_in : template_segment_columns_in;

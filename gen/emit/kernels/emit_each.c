@@ -137,7 +137,7 @@ static void put_pointers(const struct unparser *u, const struct plan *p, size_t 
 {
 	const struct plan lines = {
 		.dag = p->dag, .tree = p->tree, .names = p->names, .lines = p->lines + line, .line_count = end - line};
-	unsigned char used[DAG_ARGUMENTS + DAG_LOOPS] = {0};
+	unsigned char used[DAG_EVERY] = {0};
 
 	emit_mark_arguments(&lines, used);
 	for (int i = 0; i < p->dag->argument_count; i++) {

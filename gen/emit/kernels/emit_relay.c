@@ -18,6 +18,12 @@ static const struct function *solve_of(const struct emission *e)
 	return &e->relay->solve.function;
 }
 
+/* Does a column go through the loop of its limb, and then through one of all columns? */
+static int is_halved(const struct emission *e)
+{
+	return solve_of(e)->dag.arguments[DAG_REDUCED].rows > 0;
+}
+
 static int slots_of(const struct function *p)
 {
 	return p->segments.slots[0] ? p->segments.slots[0] : 1;
@@ -79,16 +85,45 @@ void emit_relay_before(const struct emission *e, struct text *out)
 	text_put(out, "\t}\n");
 }
 
+/* `NAME_FUNCTION_loop2(column, stride, across, 1, 1, reduced);` */
+static void put_loop_call(const struct emission *e, int loop, const char *arguments, struct text *out)
+{
+	text_printf(out, "%s_%s_loop%d(%s%s);\n", e->options->name, solve_of(e)->algorithm->name, loop, arguments,
+		is_halved(e) ? ", reduced" : "");
+}
+
+/* The body of a loop over these columns. */
+static void put_column(const struct emission *e, const struct column_run *r, struct text *out)
+{
+	const struct dag *d = &solve_of(e)->dag;
+	struct text arguments;
+
+	text_init(&arguments, e->arena);
+	text_printf(&arguments, "%s + j*stride, stride, across, 1, 1", d->arguments[r->argument].name);
+	if (!is_halved(e)) {
+		text_put(out, "\n\t\t\t");
+		put_loop_call(e, r->loop, text_string(&arguments), out);
+		return;
+	}
+	text_printf(out, " {\n\t\t\t%s reduced[%d] = {0};\n\n\t\t\t", e->memory->type, d->arguments[DAG_REDUCED].rows);
+	put_loop_call(e, r->loop, text_string(&arguments), out);
+	text_put(out, "\t\t\t");
+	put_loop_call(e, d->loop_count - 1, text_string(&arguments), out);
+	text_put(out, "\t\t}\n");
+}
+
 void emit_relay_after(const struct emission *e, struct text *out)
 {
-	if (!e->relay)
+	const struct dag *d = e->relay ? &solve_of(e)->dag : NULL;
+
+	if (!d)
 		return;
 	text_put(out, "\n\t{\n");
 	put_segment_calls(e, solve_of(e), out);
-	for (const struct column_run *r = solve_of(e)->dag.runs; r < solve_of(e)->dag.runs + solve_of(e)->dag.run_count; r++)
-		text_printf(out, "\t\tfor (size_t j = %d; j < %d; j++)\n\t\t\t%s_%s_loop%d(%s + j*stride, stride, across, 1, 1);\n", r->first,
-			r->first + r->count, e->options->name, solve_of(e)->algorithm->name, r->loop,
-			solve_of(e)->dag.arguments[r->argument].name);
+	for (const struct column_run *r = d->runs; r < d->runs + d->run_count; r++) {
+		text_printf(out, "\t\tfor (size_t j = %d; j < %d; j++)", r->first, r->first + r->count);
+		put_column(e, r, out);
+	}
 	text_put(out, "\t}");
 }
 
@@ -113,24 +148,76 @@ static const char *column_text(const struct emission *e, const struct column_run
 	return text_string(&t);
 }
 
+/* The run behind a loop's last one; and *next, from the number of the loop's first column, that of the first one behind it. */
+static const struct column_run *end_of(const struct dag *d, const struct column_run *r, int *next)
+{
+	const struct column_run *end = r;
+
+	while (end < d->runs + d->run_count && end->loop == r->loop)
+		*next += end++->count;
+	return end;
+}
+
+static const char KERNEL_ARGUMENTS[] = "column + k, count, across, RNEA_SOLVE_SAMPLES, 1";
+
+/* `if (j < 3) ... else if (j < 15) ... else ...`, and the loop of all. */
+static const char *halves_text(const struct emission *e)
+{
+	const struct dag *d = &solve_of(e)->dag;
+	const struct column_run *end;
+	struct text t;
+	int next = 0;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "\t\t\t%s reduced[%d] = {0};\n\n", e->memory->type, d->arguments[DAG_REDUCED].rows);
+	for (const struct column_run *r = d->runs; r < d->runs + d->run_count; r = end) {
+		text_put(&t, next ? "\t\t\telse" : "\t\t\t");
+		end = end_of(d, r, &next);
+		if (end < d->runs + d->run_count)
+			text_printf(&t, "%sif (j < %d)", r == d->runs ? "" : " ", next);
+		text_put(&t, "\n\t\t\t\t");
+		put_loop_call(e, r->loop, KERNEL_ARGUMENTS, &t);
+	}
+	text_put(&t, "\t\t\t");
+	put_loop_call(e, d->loop_count - 1, KERNEL_ARGUMENTS, &t);
+	return text_string(&t);
+}
+
+static const char *loop_text(const struct emission *e, int loop)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_put(&t, "\n\t\t\t");
+	put_loop_call(e, loop, KERNEL_ARGUMENTS, &t);
+	return text_string(&t);
+}
+
+/* Of these runs, whose columns are numbered from `first` on, to the one before `next`. */
+static void put_loop(const struct emission *e, const struct column_run *r, const struct column_run *end, int first, int next,
+	const char *body, struct text *out)
+{
+	const struct slot slots[] = {{"T", e->memory->type}, {"FIRST", emit_int(e, first)}, {"END", emit_int(e, next)},
+		{"COLUMN", column_text(e, r, end, first)}, {"BODY", body}};
+
+	template_expand(out, template_kernel_columns_in, slots, sizeof slots / sizeof *slots);
+}
+
 /* Columns are numbered in the order of the runs, and a loop's runs stand together. Each loop is written once: its text is
    long. */
 static const char *loops_text(const struct emission *e)
 {
 	const struct dag *d = &solve_of(e)->dag;
-	const struct column_run *end;
+	const struct column_run *end = d->runs + d->run_count;
 	struct text t;
-	int first = 0, next;
+	int first = 0, next = 0;
 
 	text_init(&t, e->arena);
-	for (const struct column_run *r = d->runs; r < d->runs + d->run_count; r = end, first = next) {
-		for (end = r, next = first; end < d->runs + d->run_count && end->loop == r->loop; next += end++->count)
-			;
-		const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", solve_of(e)->algorithm->name}, {"T", e->memory->type},
-			{"FIRST", emit_int(e, first)}, {"END", emit_int(e, next)}, {"LOOP", emit_int(e, r->loop)},
-			{"COLUMN", column_text(e, r, end, first)}};
-
-		template_expand(&t, template_kernel_columns_in, slots, sizeof slots / sizeof *slots);
+	if (is_halved(e))
+		put_loop(e, d->runs, end, 0, relay_columns(e->relay), halves_text(e), &t);
+	for (const struct column_run *r = d->runs; r < d->runs + d->run_count && !is_halved(e); r = end, first = next) {
+		end = end_of(d, r, &next);
+		put_loop(e, r, end, first, next, loop_text(e, r->loop), &t);
 	}
 	return text_string(&t);
 }
