@@ -4,16 +4,32 @@
 #include "dynamics/want.h"
 #include <math.h>
 
-/* A number of D is zero where M is singular; computed, some 1e-19 of the element of M that it is what is left of. Of robots that
-   can move it is no less than the ratio of a joint's own inertia to that of all that it carries. */
-static const real NOTHING_LEFT = 1e-15L;
+/* A number of D is zero where M is singular; computed, some 1e-19 of the element of M that it is what is left of, and more where
+   those before it left little of theirs. Of robots that can move it is no less than the ratio of a joint's own inertia to that of
+   all that it carries. */
+static const real NOTHING_LEFT = 1e-13L;
 
 enum { SAMPLES = 3 };
 
 static const struct draw_options DRAWN = {.seed = 1, .count = SAMPLES, .each = 1};
 
+/* A quaternion drawn in doubles has no norm of one: by 1e-16, which numbers of D that are zero would show. */
+static void normalise(const struct tree *t, real *q)
+{
+	for (int i = 0; i < t->joint_count; i++) {
+		real *k = q + t->joints[i].iq + 3, norm;
+
+		if (t->joints[i].type != JOINT_FLOATING)
+			continue;
+		norm = sqrtl(k[0] * k[0] + k[1] * k[1] + k[2] * k[2] + k[3] * k[3]);
+		for (int c = 0; c < 4; c++)
+			k[c] /= norm;
+	}
+}
+
 /* Evaluate the pivots in one sample. */
-static int evaluate(const struct dag *d, const struct drawn *x, size_t sample, real *pivots, struct arena *a)
+static int evaluate(const struct dag *d, const struct tree *t, const struct drawn *x, size_t sample, real *pivots,
+	struct arena *a)
 {
 	const real *in[DAG_ARGUMENTS] = {NULL};
 	real *out[DAG_ARGUMENTS] = {NULL};
@@ -26,6 +42,8 @@ static int evaluate(const struct dag *d, const struct drawn *x, size_t sample, r
 			return 0;
 		for (int r = 0; rows && r < d->arguments[i].rows; r++)
 			copy[r] = (real)rows[r];
+		if (rows && d->arguments[i].role == ROLE_JOINT_POSITION)
+			normalise(t, copy);
 		in[i] = rows ? copy : NULL;
 		out[i] = rows ? NULL : i == dag_find_argument(d, "pivots") ? pivots : copy;
 	}
@@ -53,7 +71,7 @@ static void judge(struct dag *d, const struct dag *trial, const struct tree *t, 
 		return;
 	}
 	for (int s = 0; s < SAMPLES && !d->failed; s++)
-		d->failed = !evaluate(trial, &x, (size_t)s, pivots + s * 2 * count, a);
+		d->failed = !evaluate(trial, t, &x, (size_t)s, pivots + s * 2 * count, a);
 	for (int i = 0; i < count && !d->failed; i++) {
 		int is_nothing = 1;
 
