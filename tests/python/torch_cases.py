@@ -289,6 +289,7 @@ def case_written():
     robot(2 * q, qd, qdd, out=tau)
     refused(RuntimeError, ["inplace"], loss.backward)
     refused(ValueError, ["out", "gradient"], robot, q, qd, qdd, out=w * 3)
+    refused(TypeError, ["out", "NumPy"], rneagen.load(robot_file("gantry"), want="gravity"), out=torch.zeros(3))
     refused(ValueError, ["out=", "derivatives"], torch.func.jvp, lambda x: robot(x, qd, qdd, out=torch.empty_like(q)),
             (q,), (qd,))
     with torch.autograd.forward_ad.dual_level():

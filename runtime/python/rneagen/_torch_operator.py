@@ -98,6 +98,8 @@ class Operator:
                 lead = shape[:len(shape) - len(tail)]
             if shape != (tail if per_batch else lead + tail) or x.dtype != dtype or x.get_device() != index:
                 self.explain(tensors)
+        if like is None:
+            raise TypeError("out: a tensor, and no input is one; without any input, out is an array of NumPy")
         if dtype not in SCALARS or like.device.type not in DEVICES:
             self.explain(tensors)
         return like, torch.Size() if lead is None else lead
@@ -163,7 +165,7 @@ class Operator:
 
     def planned(self, tensors: Sequence[Tensor | None]) -> "Plan":
         """The plan for these tensors, which are in one piece each, and are checked."""
-        first = tensors[0]
+        first = tensors[0] if tensors else None
         if first is not None:
             shape, dtype, index = first.shape, first.dtype, first.get_device()
             found = self.plans.get((shape, dtype, index))

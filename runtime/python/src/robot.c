@@ -164,11 +164,22 @@ static struct kernel *kernel_for(PyObject *self, int scalar)
 	return (struct kernel *)k;
 }
 
+/* The numbers of a call on no arrays: those that the robot's precision has, else doubles. */
+static int own_scalar(PyObject *self, int *scalar)
+{
+	PyObject *own = PyObject_GetAttrString(self, "scalar");
+
+	*scalar = own && own != Py_None && !PyUnicode_CompareWithASCIIString(own, "f32") ? F32 : F64;
+	Py_XDECREF(own);
+	return own ? 0 : -1;
+}
+
 /* `copies`: may inputs be in several pieces? */
 static int prepare(PyObject *self, const struct given *g, int copies, struct call *c)
 {
 	struct caller *r = (struct caller *)self;
 	struct lead lead = {.axes = -1, .scalar = F64};
+	int is_told;
 
 	c->view_count = 0;
 	c->kernel = NULL;
@@ -178,11 +189,16 @@ static int prepare(PyObject *self, const struct given *g, int copies, struct cal
 	for (int i = 0; i < r->input_count; i++)
 		if (array_take(&r->arrays[i], g->inputs[i], 0, &lead, c, i))
 			return -1;
-	if (!(c->kernel = kernel_for(self, lead.scalar)))
+	is_told = lead.scalar_of != NULL; /* else `out` tells of which numbers, if it is given */
+	if (is_told && !(c->kernel = kernel_for(self, lead.scalar)))
 		return -1;
 	if (lead.axes < 0 && !g->out) /* else the first output has the axes of samples */
 		lead.axes = 0;
+	if (!is_told && !g->out && own_scalar(self, &lead.scalar))
+		return -1;
 	if (take_outputs(r, g->out, &lead, c) || (g->out && check_overlap(r, c)))
+		return -1;
+	if (!is_told && !(c->kernel = kernel_for(self, lead.scalar)))
 		return -1;
 	c->count = 1;
 	for (int i = 0; i < lead.axes; i++)
