@@ -116,29 +116,43 @@ static int open_folder(const char *path, int *error)
 	return -1;
 }
 
-/* Also the parents; where that fails the folder cannot be opened afterwards. */
-static void make_folder(const char *path)
+/* One folder; *error: why the first one after those that are there was not made. */
+static void make_one(const char *path, int *error)
+{
+	if (mkdir(path, S_IRWXU) == 0 || errno == EEXIST)
+		*error = 0;
+	else if (!*error)
+		*error = errno;
+}
+
+/* Also the parents; where that fails the folder cannot be opened afterwards, for the reason that is returned. */
+static int make_folder(const char *path)
 {
 	char part[sizeof((struct cache *)0)->folder];
+	int error = 0;
 
 	snprintf(part, sizeof part, "%s", path);
 	for (char *s = part; *s; s++)
 		if (*s == '/' && s != part) {
 			*s = '\0';
-			mkdir(part, S_IRWXU);
+			make_one(part, &error);
 			*s = '/';
 		}
-	mkdir(part, S_IRWXU);
+	make_one(part, &error);
+	return error;
 }
 
 static int open_or_make_folder(const char *path, int *error)
 {
-	int folder = open_folder(path, error);
+	int folder = open_folder(path, error), why;
 
 	if (folder >= 0 || *error != ENOENT)
 		return folder;
-	make_folder(path);
-	return open_folder(path, error);
+	why = make_folder(path);
+	folder = open_folder(path, error);
+	if (folder < 0 && *error == ENOENT && why)
+		*error = why;
+	return folder;
 }
 
 /* ---- entries ---- */

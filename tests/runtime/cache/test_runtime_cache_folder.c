@@ -263,14 +263,14 @@ static int says(const struct cache *c, const char *what)
 
 static int work_says(void *context)
 {
-	struct cache c = *(struct cache *)context, forbidden = {"/rnea-test-forbidden"};
+	struct cache c = *(struct cache *)context, below = cache_in("d/below/it");
 	struct rlimit limit = {10, 10};
 
 	if (geteuid() == 0 && !become_nobody())
 		return CANNOT;
-	if (!says(&forbidden, "No such file or directory") || !put_text(&c, "key", "first") || chmod(c.folder, 0500) != 0)
+	if (!put_text(&c, "key", "first") || chmod(c.folder, 0500) != 0)
 		return 2;
-	if (!says(&c, "Permission denied") || chmod(c.folder, 0700) != 0)
+	if (!says(&c, "Permission denied") || !says(&below, "Permission denied") || chmod(c.folder, 0700) != 0)
 		return 3;
 	return setrlimit(RLIMIT_FSIZE, &limit) == 0 && says(&c, "File too large") ? 0 : 4;
 }
