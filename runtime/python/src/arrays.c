@@ -87,6 +87,16 @@ static int check_shape(const struct array *a, const Py_buffer *v, int is_output,
 	return same ? 0 : refuse_shape(a, v, is_output, lead);
 }
 
+static int refuse_dtype(const struct array *a, PyObject *array, int is_output)
+{
+	PyObject *type = PyObject_GetAttrString(array, "dtype");
+
+	if (type)
+		PyErr_Format(PyExc_TypeError, "%s%U: its dtype is %S; float32 or float64 is wanted", part_of(is_output), a->name, type);
+	Py_XDECREF(type);
+	return -1;
+}
+
 /* Returns 1 where a copy in one piece is to take its place. */
 static int check_array(const struct array *a, PyObject *array, const struct call *c, int is_output, struct lead *lead)
 {
@@ -95,13 +105,12 @@ static int check_array(const struct array *a, PyObject *array, const struct call
 	char order;
 	int is_aligned;
 
-	if (scalar < 0 || (lead->scalar_of && scalar != lead->scalar)) {
+	if (scalar < 0)
+		return refuse_dtype(a, array, is_output);
+	if (lead->scalar_of && scalar != lead->scalar) {
 		PyObject *type = PyObject_GetAttrString(array, "dtype");
 
-		if (type && scalar < 0)
-			PyErr_Format(PyExc_TypeError, "%s%U: its dtype is %S; float32 or float64 is wanted", part_of(is_output),
-				a->name, type);
-		else if (type)
+		if (type)
 			PyErr_Format(PyExc_TypeError, "%s%U: its dtype is %S, and that of %U is float%d: all arrays have one",
 				part_of(is_output), a->name, type, lead->scalar_of, lead->scalar == F32 ? 32 : 64);
 		Py_XDECREF(type);
@@ -160,6 +169,10 @@ int array_take(const struct array *a, PyObject *array, int is_output, struct lea
 {
 	int what = take_view(array, c, i);
 
+	if (what && PyErr_ExceptionMatches(PyExc_ValueError)) { /* a dtype that no buffer has, a date for one */
+		PyErr_Clear();
+		refuse_dtype(a, array, is_output);
+	}
 	if (!what)
 		what = check_array(a, array, c, is_output, lead);
 	return what > 0 ? take_copy(array, c, i) : what;

@@ -4,7 +4,7 @@
 
 #include "module.h"
 
-enum { F32, F64, SCALARS, AXES = 32 };
+enum { F32, F64, SCALARS, AXES = 64 };
 
 struct array {
 	PyObject *name; /* interned */
