@@ -359,7 +359,7 @@ def case_shard_map():
         print("skipped: shard_map over two devices: JAX sees one")
         return
     robot = load("double_pendulum", free=["payload.lower:batch"])
-    mesh = jax.sharding.Mesh(np.array(jax.devices()[:2]), ("samples",))
+    mesh = jax.sharding.Mesh(jax.devices()[:2], ("samples",))
     each, whole = PartitionSpec("samples"), PartitionSpec()
     q, qd, qdd, held = arrays(robot, 6)
     tau = robot(q, qd, qdd, held)
@@ -378,6 +378,28 @@ def case_shard_map():
         assert near(jnp.asarray(np.asarray(gradient(held, *here))), right)
     bare = jax.jit(lambda *x: robot(*x))
     assert near(jnp.asarray(np.asarray(bare(*here, held))), tau) and "all-gather" in bare.lower(*here, held).compile().as_text()
+
+
+def case_explicit_mesh():
+    """Where types tell how arrays are divided: values, and derivatives both ways, some of whose arrays are divided."""
+    if len(jax.devices()) < 2 or not hasattr(jax, "set_mesh"):
+        print("skipped: a mesh of explicit axes: JAX has none, or sees one device")
+        return
+    robot = load("double_pendulum", free=["payload.lower:batch"])
+    mesh = jax.make_mesh((2,), ("samples",), axis_types=(jax.sharding.AxisType.Explicit,), devices=jax.devices()[:2])
+    x = arrays(robot, 6)
+
+    def all_of(*x):
+        loss = jax.grad(lambda *x: (robot(*x) ** 2).sum(), (0, 1, 2, 3))
+        return robot(*x), loss(*x), jax.jvp(lambda q: robot(q, *x[1:]), x[:1], x[:1])
+
+    right = jax.tree.leaves(all_of(*x))
+    with jax.set_mesh(mesh):
+        for divided in ((0, 1, 2), (1,)):
+            here = [jax.device_put(y, NamedSharding(mesh, PartitionSpec("samples" if i in divided else None)))
+                    for i, y in enumerate(x)]
+            for found in (all_of(*here), jax.jit(all_of)(*here)):
+                assert all(near(jnp.asarray(np.asarray(a)), b) for a, b in zip(jax.tree.leaves(found), right)), divided
 
 
 def case_threads():

@@ -58,6 +58,13 @@ def constant(values, shape: tuple[int, ...], like):
     return jnp.broadcast_to(jnp.asarray(values, like.dtype), shape)
 
 
+def gathered(arrays: list) -> list:
+    """Whole on each device, where types tell how they are divided among the devices of the mesh that is set."""
+    if not hasattr(jax, "set_mesh") or jax.sharding.get_abstract_mesh().empty:
+        return arrays
+    return [jax.sharding.reshard(x, jax.sharding.PartitionSpec()) if any(jax.typeof(x).sharding.spec) else x for x in arrays]
+
+
 def call(robot, arrays: Sequence[Any], out: Any):
     """A call whose arrays are JAX's."""
     if out is not None:
@@ -69,7 +76,7 @@ def call(robot, arrays: Sequence[Any], out: Any):
     lead = check(robot, given)
     dtype = next(x for x in given if x is not None).dtype
     whole = [jnp.asarray(_arrays.fill(a, lead, dtype)) if x is None else x for a, x in zip(robot.inputs, given)]
-    return robot._join(_jax_operator.run(operator, whole))
+    return robot._join(_jax_operator.run(operator, gathered(whole)))
 
 
 def bind(robot, arrays: Sequence[Any], out: Any):
