@@ -214,7 +214,7 @@ class Model:
     def refuse_free(self) -> None:
         """Texts differentiate a gradient by what is free along the state alone."""
         robot = self.reverse[0]
-        for a in self.by:
+        for a in self.by if robot else ():
             found = evaluate(robot, {a.word: numpy.full((1, a.rows), numpy.nan)}, 1)
             for b in self.by:
                 if not numpy.isfinite(found[f"vjp.{b.word}"]).all():
