@@ -155,6 +155,15 @@ def case_one_sweep():
     assert torch.equal(q.grad, torch.zeros_like(q))
 
 
+def case_no_torque():
+    """The derivative of one of several outputs where the torque by which qdd is found is known."""
+    robots = load("double_pendulum", want=["accel.lower", "qdd"], fold={"tau": 0}), load("double_pendulum", want=["accel.lower", "qdd"])
+    q, qd = (x.requires_grad_() for x in tensors(robots[0], 4))
+    found, right = (torch.autograd.grad(robot(q, qd, *given).accel_lower.sum(), (q, qd))
+                    for robot, given in zip(robots, ([], [torch.zeros_like(q)])))
+    assert all(map(near, found, right))
+
+
 def case_products():
     """want(jvp=, vjp=, by=) beside the gradient."""
     robot = load("iiwa14", free=["payload.iiwa_link_7"])

@@ -97,7 +97,7 @@ class Model:
         self.free = {"free": [f"{word}:sample" for word in words]} if words else {}
         self.robot = robot._with(sparse=True, **self.free)
         self.nv, self.inputs, self.outputs = robot.nv, self.robot.inputs, self.robot.outputs
-        self.is_forward = any(a.role == "joint_torque" for a in self.inputs)
+        self.is_forward = self.robot._facts["forward"]
         self.by = [a for a in self.inputs if a.role not in PARTS]
         self.floating = [j for j in robot.joints if j["nq"] != j["nv"]] if any(map(self.is_position, self.inputs)) else []
         self.numbers = [Number(i, row, self.tangents(a, row)) for i, a in enumerate(self.inputs) for row in range(a.rows)]

@@ -49,7 +49,7 @@ class Gradients:
 
     def __init__(self, robot, library: Library):
         self.robot, self.library = robot, library
-        self.is_forward = any(a.role == "joint_torque" for a in robot.inputs)
+        self.is_forward = robot._facts["forward"]
         self.floating = [joint for joint in robot.joints if joint["nq"] != joint["nv"]]
         self.made: dict[tuple, Any] = {}  # robots of derivatives, by what they are of and by
 

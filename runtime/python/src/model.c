@@ -188,9 +188,9 @@ static PyObject *model_facts(PyObject *self, PyObject *unused)
 			Py_CLEAR(warnings);
 	if (!warnings)
 		return NULL;
-	return Py_BuildValue("{ss si si si sO sl sN}", "name", a->robot.name, "nq", a->tree.nq, "nv", a->tree.nv, "nb",
-		a->tree.body_count, "floating", a->tree.floating ? Py_True : Py_False, "flops", analysis_flops(a),
-		"warnings", warnings);
+	return Py_BuildValue("{ss si si si sO sO sl sN}", "name", a->robot.name, "nq", a->tree.nq, "nv", a->tree.nv, "nb",
+		a->tree.body_count, "floating", a->tree.floating ? Py_True : Py_False, "forward",
+		a->request.is_forward ? Py_True : Py_False, "flops", analysis_flops(a), "warnings", warnings);
 }
 
 /* ---- drawn inputs ---- */
