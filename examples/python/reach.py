@@ -58,7 +58,7 @@ def main(urdf, steps=400):
     def told(added):
         q, qd, qdd = path(np.asarray(added), 4 * SAMPLES + 1)  # arrays of NumPy: the same robot, without JAX
         share = np.abs(robot(q, qd, qdd, held) / most).max()
-        return float(cost(added)), float(share), float(np.abs(q[len(q) // 2] - between).max())
+        return float(cost(added, len(q))), float(share), float(np.abs(q[len(q) // 2] - between).max())
 
     @jax.jit
     def optimise(added):
