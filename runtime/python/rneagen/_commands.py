@@ -98,7 +98,8 @@ def choose(
     `proved`: by a bound that holds for every state within the limits of the joints and `range`."""
     words = study_words(robot, options, (), "choose")
     judged = [*(["--measured"] if measured else []), *(["--proved"] if proved else [])]
-    text = run([program("rnearun"), "choose", *words, f"--max-error={max_error!r}", "--quiet", *judged])
+    most = f"--max-error={_options.number('max_error', max_error)}"
+    text = run([program("rnearun"), "choose", *words, most, "--quiet", *judged])
     choice = Choice(text)
     lines = text.strip().split("\n")
     choice.backend, choice.precision, choice.trig, choice.layout = lines[0].split()[:4]
