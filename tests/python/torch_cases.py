@@ -376,6 +376,10 @@ def case_second():
         assert near(torch.autograd.functional.hessian(loss, x[0].detach()[0]), hessian, 1e-11), options
         refused(NotImplementedError, ["no third derivatives", "hessian", "differences"],
                 torch.func.jacfwd(torch.func.hessian(loss)), x[0].detach()[0])
+    slides = load("gantry", want="qdd", fold={"qd": 0})  # linear in tau: its vjp does not vary
+    Minv, (q, tau) = torch.from_numpy(np.linalg.inv(load("gantry", want="M")())), tensors(slides)
+    for hessian in (torch.func.hessian, lambda f: lambda x: torch.autograd.functional.hessian(f, x)):
+        assert near(hessian(lambda x: slides(q, x).square().sum())(tau), 2 * Minv @ Minv)
 
 
 def case_positions():

@@ -157,6 +157,8 @@ class Model:
                 constant = re.search("'(.*)' does not vary", str(error))
                 if not constant:
                     raise
+                if constant[1] not in left:  # vjp
+                    break
                 left.remove(constant[1])
         return None, []
 

@@ -172,18 +172,24 @@ class Gradients:
                 raise self.lacking(f"no second derivatives by {other.word if a.word == 'vjp' else a.word[4:]}")
         found: dict[str, Any] = {}
         if any(x.role in PARTS for x in needed):
-            made = self.run(self.second_robot(()), {**given, "jvp_v": g}, lead, g)
-            found["vjp"] = self.transposed(made["jvp"], made["vjp"], g)
+            robot = self.second_robot(())
+            made = self.run(robot, {**given, "jvp_v": g}, lead, g) if robot else {}
+            found["vjp"] = self.transposed(made["jvp"], made["vjp"], g) if made else self.library.zeros(g, tuple(g.shape))
         if any(x.role == "cotangent" for x in needed):
             found["vjp_v"] = self.run(self.along_robot(), {**given, "jvp_v": g}, lead, g)["jvp"]
         return found
 
     def second_robot(self, by: Sequence, apart: tuple[str, ...] = ()):
-        """How its vjp varies along a direction."""
+        """How its vjp varies along a direction; None: not at all, by what the scene gives."""
         words = tuple(a.word for a in by if a.role not in PARTS)
         key = "second", words, apart
         if key not in self.made:
-            made = self.robot._with(want=None, jvp=["vjp"], by=list(words) or None, sparse=None, **self.freed(apart))
+            made = None
+            try:
+                made = self.robot._with(want=None, jvp=["vjp"], by=list(words) or None, sparse=None, **self.freed(apart))
+            except RobotError as error:
+                if "'vjp' does not vary" not in str(error):
+                    raise
             self.made[key] = self.named(made, key)
         return self.made[key]
 
@@ -236,8 +242,9 @@ class Gradients:
         first = [a for a in of if a.role != "vjp"]
         found = self.tangents(first, values, state, lead) if first and state else {}
         for a in of:
-            if a.role == "vjp":
-                found[a.word] = self.second_tangent(a, values, state, weights, lead)
+            along = self.second_tangent(a, values, state, weights, lead) if a.role == "vjp" else None
+            if along is not None:
+                found[a.word] = along
         like = given[0][1]
         return [found[a.word].reshape((*lead, *a.shape)) if a.word in found else library.zeros(like, (*lead, *a.shape))
                 for a in of]
@@ -268,12 +275,13 @@ class Gradients:
         return found
 
     def second_tangent(self, array, values: dict[str, Any], given: Sequence[tuple], weights, lead: tuple[int, ...]):
-        """Of vjp: H d + dw' J."""
+        """Of vjp: H d + dw' J; None: nothing."""
         if array.word != "vjp":
             raise self.lacking(f"no second derivatives by {array.word[4:]}")
         parts, apart = [], self.apart(given)
-        if given:
-            parts.append(self.along(self.second_robot([a for a, _ in given], apart), values, given, lead, apart))
+        robot = self.second_robot([a for a, _ in given], apart) if given else None
+        if robot:
+            parts.append(self.along(robot, values, given, lead, apart))
         if weights is not None:
             parts.append(self.run(self.robot, {**values, "vjp_v": weights}, lead, weights)["vjp"])
         return self.total(parts)
