@@ -44,6 +44,17 @@ class Library(NamedTuple):
     cross: Callable[[Any, Any], Any]  # of vectors along the last axis
 
 
+def still(robot, arrays: Sequence, join: Callable[[list], Any]) -> Sequence:
+    """With rows of tau that fold= gives times 0: a text has derivatives by them, though it does not read them."""
+    rows = robot._facts["given_torques"]
+    i = next((i for i, a in enumerate(robot.inputs) if a.role == "joint_torque"), -1) if rows else -1
+    tau = arrays[i] if i >= 0 else None
+    if tau is None or tuple(tau.shape[-1:]) != robot.inputs[i].shape:
+        return arrays
+    parts = [0 * tau[..., k:k + 1] if k in rows else tau[..., k:k + 1] for k in range(robot.nv)]
+    return [*arrays[:i], join(parts), *arrays[i + 1:]]
+
+
 class Gradients:
     """Of one robot."""
 

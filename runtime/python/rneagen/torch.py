@@ -25,8 +25,7 @@ from numpy import ndarray
 from torch import Tensor
 from torch.autograd import forward_ad
 
-from . import _arrays, _robot
-from ._gradient import DERIVATION
+from . import _arrays, _gradient, _robot
 from ._torch_operator import Operator, check_dense, is_plain, lock, names_of
 
 HALVES = (torch.float16, torch.bfloat16)
@@ -52,7 +51,7 @@ def find(name: str) -> None:
     with lock:
         if name in Operator.defined:
             pass
-        elif DERIVATION.fullmatch(derivation) and hasattr(torch.ops.rneagen, parent):
+        elif _gradient.DERIVATION.fullmatch(derivation) and hasattr(torch.ops.rneagen, parent):
             operator_of(_operators[parent].gradients.derived(derivation))
         else:
             for robot in list(_robot.ALIVE.values()):
@@ -148,6 +147,7 @@ def call(robot, arrays: Sequence[Any], out: Any):
         every = (*arrays, *outputs)
         function_for(robot, every, True)(*every)
         return out
+    arrays = _gradient.still(robot, arrays, lambda parts: torch.cat(parts, -1))
     if _is_traced() and is_transformed():
         made = transformed(robot._key, *arrays)
     else:

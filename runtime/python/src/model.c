@@ -177,20 +177,32 @@ static PyObject *model_joints(PyObject *self, PyObject *unused)
 	return list;
 }
 
+/* Strings, and rows of tau that are given. */
+static int append_facts(const struct analysis *a, PyObject *warnings, PyObject *given)
+{
+	for (size_t i = 0; i < a->robot.warning_count; i++)
+		if (append(warnings, PyUnicode_FromString(a->robot.warnings[i])))
+			return -1;
+	for (int i = 0; i < a->tree.nv; i++)
+		if (a->request.tau[i].is_given && append(given, PyLong_FromLong(i)))
+			return -1;
+	return 0;
+}
+
 static PyObject *model_facts(PyObject *self, PyObject *unused)
 {
 	const struct analysis *a = &((struct model *)self)->analysis;
-	PyObject *warnings = PyList_New(0);
+	PyObject *warnings = PyList_New(0), *given = PyList_New(0);
 
 	(void)unused;
-	for (size_t i = 0; warnings && i < a->robot.warning_count; i++)
-		if (append(warnings, PyUnicode_FromString(a->robot.warnings[i])))
-			Py_CLEAR(warnings);
-	if (!warnings)
+	if (!warnings || !given || append_facts(a, warnings, given)) {
+		Py_XDECREF(warnings);
+		Py_XDECREF(given);
 		return NULL;
-	return Py_BuildValue("{ss si si si sO sO sl sN}", "name", a->robot.name, "nq", a->tree.nq, "nv", a->tree.nv, "nb",
+	}
+	return Py_BuildValue("{ss si si si sO sO sl sN sN}", "name", a->robot.name, "nq", a->tree.nq, "nv", a->tree.nv, "nb",
 		a->tree.body_count, "floating", a->tree.floating ? Py_True : Py_False, "forward",
-		a->request.is_forward ? Py_True : Py_False, "flops", analysis_flops(a), "warnings", warnings);
+		a->request.is_forward ? Py_True : Py_False, "flops", analysis_flops(a), "warnings", warnings, "given_torques", given);
 }
 
 /* ---- drawn inputs ---- */
