@@ -255,13 +255,27 @@ class Model:
                     wanted[matrices[PARTS[a.role]]] = word, PARTS[a.role]
         if not wanted:
             return None, {}
-        robot = self.make(want=list(wanted))
+        robot = self.direct_robot(list(wanted))
+        if robot is None:
+            return None, {}
         row = {(self.outputs[o].word, k): i for i, (o, k) in enumerate(self.rows)}
         for matrix in robot.outputs:
             word, part = wanted[matrix.word]
             for place, at in enumerate(stored(matrix)):
                 values.update({(row[word, r], part * self.nv + c): (matrix.word, place) for r, c in at})
         return robot, values
+
+    def direct_robot(self, matrices: list[str]):
+        """None where the scene gives a row of the state: there is no matrix of derivatives by that."""
+        while matrices:
+            try:
+                return self.make(want=matrices)
+            except RobotError as error:
+                refused = re.search("'(.*)': row .* is given", str(error))
+                if not refused:
+                    raise
+                matrices.remove(refused[1])
+        return None
 
     def is_direct(self, row: int, number: int) -> bool:
         return all((row, t) in self.direct[1] for t in self.numbers[number].tangents if self.found[t, row])
