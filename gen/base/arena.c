@@ -7,7 +7,6 @@
 
 struct arena_block {
 	struct arena_block *next;
-	size_t size;
 	max_align_t data[];
 };
 
@@ -30,17 +29,24 @@ void arena_init(struct arena *a, const struct rneagen_allocator *allocator)
 	*a = (struct arena){.allocator = allocator ? *allocator : heap};
 }
 
+static void release_all(struct arena *a, struct arena_block *b)
+{
+	while (b) {
+		struct arena_block *next = b->next;
+		a->allocator.release(a->allocator.context, b);
+		b = next;
+	}
+}
+
 void arena_free(struct arena *a)
 {
-	while (a->blocks) {
-		struct arena_block *next = a->blocks->next;
-		a->allocator.release(a->allocator.context, a->blocks);
-		a->blocks = next;
-	}
+	release_all(a, a->shared);
+	release_all(a, a->large);
+	a->shared = a->large = NULL;
 	a->used = 0;
 }
 
-static struct arena_block *block_new(struct arena *a, size_t size)
+static struct arena_block *block_new(struct arena *a, struct arena_block **list, size_t size)
 {
 	struct arena_block *b;
 
@@ -49,31 +55,42 @@ static struct arena_block *block_new(struct arena *a, size_t size)
 	b = a->allocator.alloc(a->allocator.context, sizeof *b + size);
 	if (!b)
 		return NULL;
-	b->size = size;
-	b->next = a->blocks;
-	a->blocks = b;
-	a->used = 0;
+	b->next = *list;
+	*list = b;
 	return b;
+}
+
+/* A block of its own, for more than a shared one has room for. */
+static void *take_large(struct arena *a, size_t bytes)
+{
+	struct arena_block *b = block_new(a, &a->large, bytes);
+
+	return b ? b->data : NULL;
+}
+
+static void *take_shared(struct arena *a, size_t bytes)
+{
+	if (!a->shared || bytes > BLOCK_SIZE - a->used) {
+		if (!block_new(a, &a->shared, BLOCK_SIZE))
+			return NULL;
+		a->used = 0;
+	}
+	a->used += bytes;
+	return (char *)a->shared->data + a->used - bytes;
 }
 
 void *arena_take(struct arena *a, size_t count, size_t size)
 {
 	const size_t align = sizeof(max_align_t);
-	size_t bytes;
-	char *p;
+	void *p = NULL;
 
-	if (size && count > (SIZE_MAX - align) / size)
-		goto fail;
-	bytes = (count * size + align) / align * align; /* at least one unit, so that a count of 0 has an address */
-	if (!a->blocks || bytes > a->blocks->size - a->used)
-		if (!block_new(a, bytes > BLOCK_SIZE ? bytes : BLOCK_SIZE))
-			goto fail;
-	p = (char *)a->blocks->data + a->used;
-	a->used += bytes;
+	if (!size || count <= (SIZE_MAX - align) / size) {
+		size_t bytes = (count * size + align) / align * align; /* at least one unit, so that a count of 0 has an address */
+
+		p = bytes > BLOCK_SIZE ? take_large(a, bytes) : take_shared(a, bytes);
+	}
+	a->failed |= !p;
 	return p;
-fail:
-	a->failed = 1;
-	return NULL;
 }
 
 void *arena_alloc(struct arena *a, size_t count, size_t size)
@@ -83,16 +100,13 @@ void *arena_alloc(struct arena *a, size_t count, size_t size)
 	return p ? memset(p, 0, count * size) : NULL;
 }
 
-/* Larger blocks than BLOCK_SIZE have one owner. */
 void arena_release(struct arena *a, void *p)
 {
-	for (struct arena_block **at = &a->blocks; p && *at; at = &(*at)->next) {
+	for (struct arena_block **at = &a->large; p && *at; at = &(*at)->next) {
 		struct arena_block *b = *at;
 
-		if ((void *)b->data != p || b->size <= BLOCK_SIZE)
+		if ((void *)b->data != p)
 			continue;
-		if (b == a->blocks)
-			a->used = b->next ? b->next->size : 0; /* how much of that is used is not known */
 		*at = b->next;
 		a->allocator.release(a->allocator.context, b);
 		return;

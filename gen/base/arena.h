@@ -19,8 +19,9 @@ struct arena_block;
 
 struct arena {
 	struct rneagen_allocator allocator;
-	struct arena_block *blocks; /* newest first */
-	size_t used;                /* bytes taken from the newest block */
+	struct arena_block *shared; /* blocks of one size, newest first */
+	struct arena_block *large;  /* blocks of one owner each, newest first: those that can be given back */
+	size_t used;                /* bytes taken from the newest shared block */
 	int failed;                 /* sticky: some request could not be met */
 	const char *reason;         /* why it failed, where that was not memory */
 };

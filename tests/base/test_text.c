@@ -202,6 +202,29 @@ START_TEST(arena_gives_back)
 }
 END_TEST
 
+/* And small ones between them go on in the block that they share. */
+START_TEST(large_ones_part_no_small_ones)
+{
+	struct ration ration;
+	struct arena a;
+	void *large[1000];
+
+	arena_rationed(&a, &ration, INT_MAX);
+	for (int i = 0; i < 1000; i++) {
+		large[i] = arena_take(&a, 1, 70000);
+		ck_assert_ptr_nonnull(arena_alloc(&a, 1, 16));
+	}
+	ck_assert_int_eq(ration.out, 1001);
+	for (int i = 0; i < 1000; i++) {
+		arena_release(&a, large[i]);
+		ck_assert_ptr_nonnull(arena_alloc(&a, 1, 16));
+	}
+	ck_assert_int_eq(ration.out, 1);
+	arena_free(&a);
+	ck_assert_int_eq(ration.out, 0);
+}
+END_TEST
+
 START_TEST(failed_growth_keeps_the_array)
 {
 	struct ration ration;
@@ -361,6 +384,7 @@ static Suite *text_suite(void)
 	tcase_add_test(tc, arena_strings);
 	tcase_add_test(tc, arena_arrays_grow);
 	tcase_add_test(tc, arena_gives_back);
+	tcase_add_test(tc, large_ones_part_no_small_ones);
 	tcase_add_test(tc, failed_growth_keeps_the_array);
 	tcase_add_test(tc, text_grows);
 	tcase_add_test(tc, text_clears);

@@ -31,18 +31,18 @@ void arena_init(struct arena *a, const struct rneagen_allocator *allocator)
 
 void arena_free(struct arena *a)
 {
-	while (a->blocks) {
-		struct arena_block *next = a->blocks->next;
+	while (a->large) {
+		struct arena_block *next = a->large->next;
 
-		a->allocator.release(a->allocator.context, a->blocks);
-		a->blocks = next;
+		a->allocator.release(a->allocator.context, a->large);
+		a->large = next;
 	}
 }
 
 /* Filled with what is neither 0 nor a pointer. */
 void *arena_take(struct arena *a, size_t count, size_t size)
 {
-	size_t bytes = size && count > (SIZE_MAX - sizeof *a->blocks) / size ? SIZE_MAX : count * size;
+	size_t bytes = size && count > (SIZE_MAX - sizeof *a->large) / size ? SIZE_MAX : count * size;
 	struct arena_block *b = NULL;
 
 	if (bytes != SIZE_MAX)
@@ -51,8 +51,8 @@ void *arena_take(struct arena *a, size_t count, size_t size)
 		a->failed = 1;
 		return NULL;
 	}
-	b->next = a->blocks;
-	a->blocks = b;
+	b->next = a->large;
+	a->large = b;
 	return memset(b->data, 0xa5, bytes);
 }
 
@@ -65,7 +65,7 @@ void *arena_alloc(struct arena *a, size_t count, size_t size)
 
 void arena_release(struct arena *a, void *p)
 {
-	for (struct arena_block **at = &a->blocks; p && *at; at = &(*at)->next) {
+	for (struct arena_block **at = &a->large; p && *at; at = &(*at)->next) {
 		struct arena_block *b = *at;
 
 		if ((void *)b->data != p)
