@@ -186,6 +186,29 @@ START_TEST(real_robots)
 }
 END_TEST
 
+/* Arrays of one row that are filled by a call: gcc knows that they are. */
+START_TEST(one_joint_aos)
+{
+	struct target_path source = target_path("one_joint", ".c"), object = target_path("one_joint", ".o");
+	struct rneagen_options o = rneagen_options_default();
+	struct target t;
+	size_t length;
+	char *urdf = target_robot("pendulum", &length);
+
+	o.target = RNEAGEN_TARGET_C;
+	o.layout = RNEAGEN_AOS;
+	o.scene = "want gravity";
+	target_generate(&t, urdf, length, &o, "pendulum");
+	target_write(source, t.text.source);
+	compile_object(&t, "gcc", "-O2", source, object);
+	compile_object(&t, "gcc", "-O3", source, object);
+	unlink(source.s);
+	unlink(object.s);
+	target_close(&t);
+	free(urdf);
+}
+END_TEST
+
 /* Exactly +0, and said so. */
 START_TEST(zero_is_stored)
 {
@@ -405,6 +428,7 @@ int main(void)
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(suite, "own", own_robots, 1, 1200);
 	suite_add(suite, "real", real_robots, 1, 1200);
+	suite_add(suite, "one joint", one_joint_aos, 1, 60);
 	suite_add(suite, "zero", zero_is_stored, 1, 1200);
 	suite_add(suite, "fast", fast_math_is_refused, 6, 1200);
 	suite_add(suite, "short constants", short_constants_are_refused, 2, 1200);
