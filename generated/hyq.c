@@ -65,6 +65,9 @@
  * x cross product; z the joint's axis; U = [dw]x + [w]x[w]x; m, h = m c, I mass, first moment and inertia about the
  * origin; M, in sections at rest, the mass from the link on; += what each child adds.
  */
+#if defined __cplusplus
+#error "this text is C: compile it as C; C++ includes its header, or the text of target header"
+#endif
 #include <math.h>
 #include <stddef.h>
 

@@ -314,7 +314,8 @@ static void function_slots(const struct emission *e, struct slots *s)
 {
 	const char *info = info_text(e);
 	const struct slot more[] = {{"INFO", info}, {"LONG_INFO", long_text(info)}, {"PATTERNS", emit_patterns(e)},
-		{"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)}, {"PROTOTYPES", emit_prototypes(e)}, {"BOUNDED", ""}};
+		{"AS_C", emit_has_batches(e) ? template_as_c_in : ""}, {"HEAD_C", emit_head_c(e)}, {"FUNCTIONS_C", emit_functions_c(e)},
+		{"PROTOTYPES", emit_prototypes(e)}, {"BOUNDED", ""}};
 
 	add_slots(s, more, sizeof more / sizeof *more);
 }

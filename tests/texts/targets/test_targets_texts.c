@@ -275,6 +275,35 @@ START_TEST(fast_math_is_refused)
 }
 END_TEST
 
+/* A text with batches has words that C++ lacks, and says so first. */
+START_TEST(batches_are_c)
+{
+	struct rneagen_options o = rneagen_options_default();
+	struct target_path source = target_path("as_cxx", ".c");
+	const char *const argv[] = {"c++", "-x", "c++", "-std=c++17", "-fsyntax-only", source.s, NULL};
+	size_t length;
+	char *urdf = target_robot("pendulum", &length);
+
+	o.target = RNEAGEN_TARGET_C;
+	for (o.only = 0; o.only <= RNEAGEN_ONLY_MAIN; o.only++) {
+		struct process p;
+		struct target t;
+		const char *first;
+
+		target_generate(&t, urdf, length, &o, "pendulum");
+		target_write(source, t.text.source);
+		p = process_run(argv);
+		first = strstr(p.output, "error");
+		ck_assert_int_eq(p.status != 0, !o.only);
+		ck_assert_msg(!p.status || (first && strstr(first, "this text is C:") < strchr(first, '\n')), "%s", p.output);
+		process_free(&p);
+		target_close(&t);
+	}
+	unlink(source.s);
+	free(urdf);
+}
+END_TEST
+
 /* Numbers without a suffix would be floats. A text whose numbers all have one is the same. */
 START_TEST(short_constants_are_refused)
 {
@@ -431,6 +460,7 @@ int main(void)
 	suite_add(suite, "one joint", one_joint_aos, 1, 60);
 	suite_add(suite, "zero", zero_is_stored, 1, 1200);
 	suite_add(suite, "fast", fast_math_is_refused, 6, 1200);
+	suite_add(suite, "batches", batches_are_c, 1, 60);
 	suite_add(suite, "short constants", short_constants_are_refused, 2, 1200);
 	suite_add(suite, "reordered", clang_reorders_nothing, 1, 60);
 	suite_add(suite, "finite", finite_math_is_refused, 1, 1200);
