@@ -1,6 +1,6 @@
 #ifndef RNEAGEN_DIAGNOSTIC_H
 #define RNEAGEN_DIAGNOSTIC_H
-/* What every stage of reading a robot is given to say what is wrong: all messages begin with FILE:LINE:. */
+/* What all that reads a robot is given to say what is wrong: all messages begin with FILE:LINE:. */
 
 #include "urdf/robot.h"
 

@@ -1,4 +1,4 @@
-/* The stages of the pipeline for two small robots, as they were when somebody last looked at them: tests/golden/.
+/* The passes of the pipeline for two small robots, as they were when somebody last looked at them: tests/golden/.
    After a change that is meant: RNEAGEN_RENEW=1 test_golden writes them anew; then read what git diff shows. */
 #include "rneagen.h"
 #include "support/suite.h"

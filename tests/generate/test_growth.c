@@ -1,5 +1,5 @@
 /* What a generation takes from its allocator as robots and inputs grow: bytes, not time, so that no machine decides. It catches
-   a stage that keeps what it tried, makes a robot's whole DAG again at each try, or hands on what nobody reads. */
+   a pass that keeps what it tried, makes a robot's whole DAG again at each try, or hands on what nobody reads. */
 #include "urdf/precheck.h"
 #include "rneagen.h"
 #include "scene/scene.h"
