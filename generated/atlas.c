@@ -5833,6 +5833,9 @@ static int atlas_are_small(const double *q, size_t count, size_t first, size_t e
 	return small;
 }
 
+/* in the place of sines where all angles are small: nobody reads it */
+static const double atlas_unread[54] = {0};
+
 /* Samples first to end - 1 of `from`, and the last one again and again until there are `samples`, to [row][room]; and
    back. */
 static void atlas_gather(double *restrict to, const double *restrict from, const size_t rows,
@@ -5857,37 +5860,37 @@ static void atlas_scatter(const double *restrict from, double *restrict to, cons
 static RNEA_ALONE void atlas_rnea_lanes0(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	atlas_rnea_segment0(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
+	atlas_rnea_segment0(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, atlas_unread);
 }
 
 static RNEA_ALONE void atlas_rnea_lanes1(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	atlas_rnea_segment1(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
+	atlas_rnea_segment1(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, atlas_unread);
 }
 
 static RNEA_ALONE void atlas_rnea_lanes2(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	atlas_rnea_segment2(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
+	atlas_rnea_segment2(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, atlas_unread);
 }
 
 static RNEA_ALONE void atlas_rnea_lanes3(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	atlas_rnea_segment3(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
+	atlas_rnea_segment3(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, atlas_unread);
 }
 
 static RNEA_ALONE void atlas_rnea_lanes4(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	atlas_rnea_segment4(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
+	atlas_rnea_segment4(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, atlas_unread);
 }
 
 static RNEA_ALONE void atlas_rnea_lanes5(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	atlas_rnea_segment5(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, 0);
+	atlas_rnea_segment5(q + k, qd + k, qdd + k, tau + k, count, across, 16, 16, 0, atlas_unread);
 }
 
 static RNEA_ALONE void atlas_rnea_one0(const double *q, const double *qd, const double *qdd, double *tau,
@@ -6099,49 +6102,49 @@ static RNEA_ALONE void atlas_fpass_lanes0(const double *restrict q, const double
 	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
 	const size_t k, double *restrict across)
 {
-	atlas_fpass_segment0(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+	atlas_fpass_segment0(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, atlas_unread);
 }
 
 static RNEA_ALONE void atlas_fpass_lanes1(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
 	const size_t k, double *restrict across)
 {
-	atlas_fpass_segment1(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+	atlas_fpass_segment1(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, atlas_unread);
 }
 
 static RNEA_ALONE void atlas_fpass_lanes2(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
 	const size_t k, double *restrict across)
 {
-	atlas_fpass_segment2(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+	atlas_fpass_segment2(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, atlas_unread);
 }
 
 static RNEA_ALONE void atlas_fpass_lanes3(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
 	const size_t k, double *restrict across)
 {
-	atlas_fpass_segment3(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+	atlas_fpass_segment3(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, atlas_unread);
 }
 
 static RNEA_ALONE void atlas_fpass_lanes4(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
 	const size_t k, double *restrict across)
 {
-	atlas_fpass_segment4(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+	atlas_fpass_segment4(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, atlas_unread);
 }
 
 static RNEA_ALONE void atlas_fpass_lanes5(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
 	const size_t k, double *restrict across)
 {
-	atlas_fpass_segment5(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+	atlas_fpass_segment5(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, atlas_unread);
 }
 
 static RNEA_ALONE void atlas_fpass_lanes6(const double *restrict q, const double *restrict qd,
 	const double *restrict qdd, double *restrict v, double *restrict a, double *restrict f, size_t count,
 	const size_t k, double *restrict across)
 {
-	atlas_fpass_segment6(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, 0);
+	atlas_fpass_segment6(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 64, 64, 0, atlas_unread);
 }
 
 static RNEA_ALONE void atlas_fpass_one0(const double *q, const double *qd, const double *qdd, double *v, double *a,
@@ -6296,7 +6299,7 @@ RNEA_VECTORS static RNEA_LOOP void atlas_bpass_group(const double *restrict q, c
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/4*4; k++)
-		atlas_bpass_body(q + k, f + k, tau + k, count, 0, 0);
+		atlas_bpass_body(q + k, f + k, tau + k, count, 0, atlas_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */

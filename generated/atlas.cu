@@ -5728,6 +5728,9 @@ static int atlas_are_small(const float *q, size_t count, size_t first, size_t en
 	return small;
 }
 
+/* in the place of sines where all angles are small: nobody reads it */
+static const float atlas_unread[54] = {0};
+
 /* Samples first to end - 1 of `from`, and the last one again and again until there are `samples`, to [row][room]; and
    back. */
 static void atlas_gather(float *restrict to, const float *restrict from, const size_t rows,
@@ -5772,7 +5775,7 @@ static RNEA_ALONE void atlas_rnea_group(const float *restrict q, const float *re
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/8*8; k++)
-		atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0);
+		atlas_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, atlas_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
@@ -5859,7 +5862,7 @@ static RNEA_ALONE void atlas_fpass_group(const float *restrict q, const float *r
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/8*8; k++)
-		atlas_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, 0);
+		atlas_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, atlas_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
@@ -5945,7 +5948,7 @@ RNEA_VECTORS static RNEA_LOOP void atlas_bpass_group(const float *restrict q, co
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/8*8; k++)
-		atlas_bpass_body(q + k, f + k, tau + k, count, 0, 0);
+		atlas_bpass_body(q + k, f + k, tau + k, count, 0, atlas_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */

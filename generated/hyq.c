@@ -3453,6 +3453,9 @@ static int hyq_are_small(const double *q, size_t count, size_t first, size_t end
 	return small;
 }
 
+/* in the place of sines where all angles are small: nobody reads it */
+static const double hyq_unread[24] = {0};
+
 /* Samples first to end - 1 of `from`, and the last one again and again until there are `samples`, to [row][room]; and
    back. */
 static void hyq_gather(double *restrict to, const double *restrict from, const size_t rows,
@@ -3477,25 +3480,25 @@ static void hyq_scatter(const double *restrict from, double *restrict to, const 
 static RNEA_ALONE void hyq_rnea_lanes0(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	hyq_rnea_segment0(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
+	hyq_rnea_segment0(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, hyq_unread);
 }
 
 static RNEA_ALONE void hyq_rnea_lanes1(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	hyq_rnea_segment1(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
+	hyq_rnea_segment1(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, hyq_unread);
 }
 
 static RNEA_ALONE void hyq_rnea_lanes2(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	hyq_rnea_segment2(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
+	hyq_rnea_segment2(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, hyq_unread);
 }
 
 static RNEA_ALONE void hyq_rnea_lanes3(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict tau, size_t count, const size_t k, double *restrict across)
 {
-	hyq_rnea_segment3(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, 0);
+	hyq_rnea_segment3(q + k, qd + k, qdd + k, tau + k, count, across, 32, 32, 0, hyq_unread);
 }
 
 static RNEA_ALONE void hyq_rnea_one0(const double *q, const double *qd, const double *qdd, double *tau,
@@ -3666,28 +3669,28 @@ static RNEA_ALONE void hyq_fpass_lanes0(const double *restrict q, const double *
 	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t k,
 	double *restrict across)
 {
-	hyq_fpass_segment0(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
+	hyq_fpass_segment0(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, hyq_unread);
 }
 
 static RNEA_ALONE void hyq_fpass_lanes1(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t k,
 	double *restrict across)
 {
-	hyq_fpass_segment1(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
+	hyq_fpass_segment1(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, hyq_unread);
 }
 
 static RNEA_ALONE void hyq_fpass_lanes2(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t k,
 	double *restrict across)
 {
-	hyq_fpass_segment2(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
+	hyq_fpass_segment2(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, hyq_unread);
 }
 
 static RNEA_ALONE void hyq_fpass_lanes3(const double *restrict q, const double *restrict qd, const double *restrict qdd,
 	double *restrict v, double *restrict a, double *restrict f, size_t count, const size_t k,
 	double *restrict across)
 {
-	hyq_fpass_segment3(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, 0);
+	hyq_fpass_segment3(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, across, 32, 32, 0, hyq_unread);
 }
 
 static RNEA_ALONE void hyq_fpass_one0(const double *q, const double *qd, const double *qdd, double *v, double *a,
@@ -3839,7 +3842,7 @@ RNEA_VECTORS static RNEA_LOOP void hyq_bpass_group(const double *restrict q, con
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/4*4; k++)
-		hyq_bpass_body(q + k, f + k, tau + k, count, 0, 0);
+		hyq_bpass_body(q + k, f + k, tau + k, count, 0, hyq_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */

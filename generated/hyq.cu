@@ -3777,6 +3777,9 @@ static int hyq_are_small(const float *q, size_t count, size_t first, size_t end)
 	return small;
 }
 
+/* in the place of sines where all angles are small: nobody reads it */
+static const float hyq_unread[24] = {0};
+
 /* Samples first to end - 1 of `from`, and the last one again and again until there are `samples`, to [row][room]; and
    back. */
 static void hyq_gather(float *restrict to, const float *restrict from, const size_t rows,
@@ -3821,7 +3824,7 @@ static RNEA_ALONE void hyq_rnea_group(const float *restrict q, const float *rest
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/8*8; k++)
-		hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0);
+		hyq_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, hyq_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
@@ -3908,7 +3911,7 @@ static RNEA_ALONE void hyq_fpass_group(const float *restrict q, const float *res
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/8*8; k++)
-		hyq_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, 0);
+		hyq_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, hyq_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
@@ -3994,7 +3997,7 @@ RNEA_VECTORS static RNEA_LOOP void hyq_bpass_group(const float *restrict q, cons
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/8*8; k++)
-		hyq_bpass_body(q + k, f + k, tau + k, count, 0, 0);
+		hyq_bpass_body(q + k, f + k, tau + k, count, 0, hyq_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */

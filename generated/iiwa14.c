@@ -1131,6 +1131,9 @@ static int iiwa14_are_small(const double *q, size_t count, size_t first, size_t 
 	return small;
 }
 
+/* in the place of sines where all angles are small: nobody reads it */
+static const double iiwa14_unread[12] = {0};
+
 /* Samples first to end - 1 of `from`, and the last one again and again until there are `samples`, to [row][room]; and
    back. */
 static void iiwa14_gather(double *restrict to, const double *restrict from, const size_t rows,
@@ -1175,7 +1178,7 @@ RNEA_VECTORS static RNEA_LOOP void iiwa14_rnea_group(const double *restrict q, c
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/4*4; k++)
-		iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0);
+		iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, iiwa14_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
@@ -1264,7 +1267,7 @@ RNEA_VECTORS static RNEA_LOOP void iiwa14_fpass_group(const double *restrict q, 
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/4*4; k++)
-		iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, 0);
+		iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, iiwa14_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
@@ -1350,7 +1353,7 @@ RNEA_VECTORS static RNEA_LOOP void iiwa14_bpass_group(const double *restrict q, 
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/4*4; k++)
-		iiwa14_bpass_body(q + k, f + k, tau + k, count, 0, 0);
+		iiwa14_bpass_body(q + k, f + k, tau + k, count, 0, iiwa14_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */

@@ -1183,6 +1183,9 @@ static int iiwa14_are_small(const float *q, size_t count, size_t first, size_t e
 	return small;
 }
 
+/* in the place of sines where all angles are small: nobody reads it */
+static const float iiwa14_unread[12] = {0};
+
 /* Samples first to end - 1 of `from`, and the last one again and again until there are `samples`, to [row][room]; and
    back. */
 static void iiwa14_gather(float *restrict to, const float *restrict from, const size_t rows,
@@ -1227,7 +1230,7 @@ RNEA_VECTORS static RNEA_LOOP void iiwa14_rnea_group(const float *restrict q, co
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/8*8; k++)
-		iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0);
+		iiwa14_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, iiwa14_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
@@ -1315,7 +1318,7 @@ RNEA_VECTORS static RNEA_LOOP void iiwa14_fpass_group(const float *restrict q, c
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/8*8; k++)
-		iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, 0);
+		iiwa14_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, iiwa14_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
@@ -1401,7 +1404,7 @@ RNEA_VECTORS static RNEA_LOOP void iiwa14_bpass_group(const float *restrict q, c
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/8*8; k++)
-		iiwa14_bpass_body(q + k, f + k, tau + k, count, 0, 0);
+		iiwa14_bpass_body(q + k, f + k, tau + k, count, 0, iiwa14_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */

@@ -976,6 +976,9 @@ static int ur5_are_small(const double *q, size_t count, size_t first, size_t end
 	return small;
 }
 
+/* in the place of sines where all angles are small: nobody reads it */
+static const double ur5_unread[10] = {0};
+
 /* Samples first to end - 1 of `from`, and the last one again and again until there are `samples`, to [row][room]; and
    back. */
 static void ur5_gather(double *restrict to, const double *restrict from, const size_t rows,
@@ -1020,7 +1023,7 @@ RNEA_VECTORS static RNEA_LOOP void ur5_rnea_group(const double *restrict q, cons
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/4*4; k++)
-		ur5_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, 0);
+		ur5_rnea_body(q + k, qd + k, qdd + k, tau + k, count, 0, ur5_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
@@ -1108,7 +1111,7 @@ RNEA_VECTORS static RNEA_LOOP void ur5_fpass_group(const double *restrict q, con
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/4*4; k++)
-		ur5_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, 0);
+		ur5_fpass_body(q + k, qd + k, qdd + k, v + k, a + k, f + k, count, 0, ur5_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */
@@ -1194,7 +1197,7 @@ RNEA_VECTORS static RNEA_LOOP void ur5_bpass_group(const double *restrict q, con
 {
 	RNEA_INDEPENDENT
 	for (size_t k = first; k < first + samples/4*4; k++)
-		ur5_bpass_body(q + k, f + k, tau + k, count, 0, 0);
+		ur5_bpass_body(q + k, f + k, tau + k, count, 0, ur5_unread);
 }
 
 /* Fewer samples than a group has, in arrays of their own; the last one fills up a group. */

@@ -368,6 +368,9 @@ int emit_has_angles(const struct emission *e, const struct function *p);
 const char *emit_known_params(const struct emission *e);
 const char *emit_known_names(const struct emission *e);
 const char *emit_unknown_names(const struct emission *e);
+/* The same in C functions, with tables of which nobody reads, where a body has angles; and the declarations of these. */
+const char *emit_unread_names(const struct emission *e, const struct function *p);
+const char *emit_unread_tables(const struct emission *e);
 /* Such names behind the other arguments of a call: nothing where bodies take none. */
 const char *emit_handed_on(const struct emission *e, const char *names);
 

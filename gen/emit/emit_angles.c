@@ -79,14 +79,14 @@ const char *emit_handed_on(const struct emission *e, const char *names)
 }
 
 /* A function may have angles of one type of numbers alone. */
-static const char *tables_text(const struct emission *e, const struct function *p, const char *known)
+static const char *tables_text(const struct emission *e, const struct function *p, const char *known, const char *name)
 {
 	struct text t;
 
 	text_init(&t, e->arena);
-	text_printf(&t, "%s%s", known, emit_angles(e, p, 0).count ? "sines" : "0");
+	text_printf(&t, "%s%s", known, emit_angles(e, p, 0).count ? name : "0");
 	if (e->wide)
-		text_printf(&t, ", %s", emit_angles(e, p, 1).count ? "sines_wide" : "0");
+		text_printf(&t, emit_angles(e, p, 1).count ? ", %s_wide" : ", 0", name);
 	return text_string(&t);
 }
 
@@ -96,6 +96,52 @@ static void put_table(const struct number_type *n, const char *name, int angles,
 		text_printf(out, "%s%s%s %s[%d];", out->length ? "\n" : "", out->length ? indent : "", n->value,
 			name, 2 * angles);
 }
+
+/* ---- tables that nobody reads: an offset of NULL would be undefined ---- */
+
+static int most_angles(const struct emission *e, int is_wide)
+{
+	int most = 0;
+
+	for (int i = 0; i < e->function_count; i++) {
+		int count = emit_angles(e, &e->functions[i], is_wide).count;
+
+		most = count > most ? count : most;
+	}
+	return most;
+}
+
+const char *emit_unread_names(const struct emission *e, const struct function *p)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	text_printf(&t, "%s_unread", e->options->name);
+	return tables_text(e, p, "0, ", text_string(&t));
+}
+
+static void put_unread(const struct emission *e, const struct number_type *n, const char *wide, struct text *out)
+{
+	int angles = most_angles(e, *wide != 0);
+
+	if (angles)
+		text_printf(out, "%sstatic const %s %s_unread%s[%d] = {0};\n",
+			out->length ? "" : "/* in the place of sines where all angles are small: nobody reads it */\n",
+			n->value, e->options->name, wide, 2 * angles);
+}
+
+const char *emit_unread_tables(const struct emission *e)
+{
+	struct text t;
+
+	text_init(&t, e->arena);
+	put_unread(e, e->numbers, "", &t);
+	if (e->wide)
+		put_unread(e, e->wide, "_wide", &t);
+	return text_string(&t);
+}
+
+/* ---- calls ---- */
 
 /* Their declarations: two numbers for each angle. */
 static const char *declarations_text(const struct emission *e, const struct function *p, const char *indent)
@@ -299,8 +345,8 @@ static const char *call_expanded(const struct emission *e, const struct function
 		{"Q", c->part || c->is_tiled ? emit_q_at_sample(e) : c->q}, {"Q_STRIDE", c->part || c->is_tiled ? emit_stride(e) : c->stride},
 		{"TABLE", table_of(e, p)->algorithm->name},
 		{"STRIDE", stride_text(e, p, c)}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
-		{"ASKED", asked}, {"MEET", meet_text(e, c)}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "")},
-		{"KNOWN", tables_text(e, p, "known, ")}};
+		{"ASKED", asked}, {"MEET", meet_text(e, c)}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "", "sines")},
+		{"KNOWN", tables_text(e, p, "known, ", "sines")}};
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -338,14 +384,14 @@ const char *emit_call_any(const struct emission *e, const struct function *p)
 
 const char *emit_known_tables(const struct emission *e, const struct function *p)
 {
-	return tables_text(e, p, "known, ");
+	return tables_text(e, p, "known, ", "sines");
 }
 
 void emit_rounds(const struct emission *e, const struct function *p, const char *loops, struct text *out)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"TABLE", table_of(e, p)->algorithm->name},
 		{"SINES", declarations_text(e, p, "\t\t")}, {"SEGMENTS", loops}, {"Q", emit_q_at_sample(e)},
-		{"STRIDE", emit_stride(e)}, {"TABLES", tables_text(e, p, "")}};
+		{"STRIDE", emit_stride(e)}, {"TABLES", tables_text(e, p, "", "sines")}};
 
 	template_expand(out, template_kernel_segments_rounds_in, slots, sizeof slots / sizeof *slots);
 }

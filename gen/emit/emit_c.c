@@ -103,7 +103,7 @@ const char *emit_functions_c(const struct emission *e)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type},
 		{"COUNT_PARAM", emit_count_param(e->options->layout)},
-		{"Q_AT_SAMPLE", joined(e, emit_q_at_sample(e), emit_stride(e))}};
+		{"Q_AT_SAMPLE", joined(e, emit_q_at_sample(e), emit_stride(e))}, {"UNREAD", emit_unread_tables(e)}};
 	struct text t;
 
 	text_init(&t, e->arena);

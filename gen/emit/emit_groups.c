@@ -143,7 +143,7 @@ static void put_group(const struct emission *e, const struct function *p, struct
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
 		{"COUNT_PARAM", emit_count_param(emit_groups_layout(e, p))},
 		{"AT_SAMPLE", emit_at_sample(e, p, emit_groups_layout(e, p))},
-		{"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
+		{"UNKNOWN", emit_handed_on(e, emit_unread_names(e, p))}};
 
 	if (p->segments.count)
 		emit_segments_group(e, p, where_small(e), out);
@@ -276,7 +276,7 @@ static void put_part(const struct emission *e, const struct function *p, const c
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ONE_GROUP", many_text(e, p, group)}, {"ELSE_FEW", else_few(e, p)},
 		{"ANY", emit_any_name(e, p)}, {"AT_SAMPLE", emit_at_sample(e, p, e->options->layout)}, {"NEXT", next_text(e, p)},
 		{"PART", whole_groups(e, p)}, {"ROOM", emit_int(e, room_of(e, p))}, {"AT_A_TIME", emit_int(e, AT_A_TIME)},
-		{"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
+		{"UNKNOWN", emit_handed_on(e, emit_unread_names(e, p))}};
 
 	template_expand(out, frame, slots, sizeof slots / sizeof *slots);
 }

@@ -237,14 +237,14 @@ void emit_lanes_call_bodies(const struct emission *e, const struct function *p, 
 
 /* ---- batches ---- */
 
-static void put_lanes_function(const struct emission *e, const struct function *p, int k, struct text *out)
+static void put_lanes_function(const struct emission *e, const struct function *p, int k, const char *unread, struct text *out)
 {
 	const struct segments *s = &p->segments;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"NUMBER", emit_int(e, k)},
 		{"LANES", emit_int(e, emit_lanes(e, s))}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)},
 		{"COUNT_PARAM", emit_count_param(emit_groups_layout(e, p))},
 		{"RESTRICT_ACROSS", emit_across(e, s, ACROSS_RESTRICT)}, {"AT_SAMPLE", emit_at_sample(e, p, emit_groups_layout(e, p))},
-		{"ACROSS_NAMES", emit_across(e, s, ACROSS_NAME)}, {"UNKNOWN", emit_handed_on(e, emit_unknown_names(e))}};
+		{"ACROSS_NAMES", emit_across(e, s, ACROSS_NAME)}, {"UNKNOWN", unread}};
 
 	template_expand(out, template_segment_lanes_in, slots, sizeof slots / sizeof *slots);
 }
@@ -270,12 +270,13 @@ static void put_one_functions(const struct emission *e, const struct function *p
 /* Of batches. */
 static const char *many_functions(const struct emission *e, const struct function *p)
 {
+	const char *unread = emit_handed_on(e, emit_unread_names(e, p)); /* once: it goes through all nodes */
 	struct text t;
 
 	text_init(&t, e->arena);
 	for (int k = 0; k < p->segments.count; k++)
 		if (!emit_is_loop(p, k))
-			put_lanes_function(e, p, k, &t);
+			put_lanes_function(e, p, k, unread, &t);
 	emit_zeros_many(e, p, &t);
 	return text_string(&t);
 }

@@ -209,6 +209,40 @@ START_TEST(one_joint_aos)
 }
 END_TEST
 
+/* Where all angles are small, a batch has no table of sines: clang traps where its place would be counted from NULL. */
+START_TEST(no_offset_of_null)
+{
+	static const struct compiler clang = {"clang", {"-O1", "-fsanitize=undefined", "-fsanitize-trap=undefined"}};
+	enum { SAMPLES = 40, ROWS = 2 };
+	struct rneagen_options o = rneagen_options_default();
+	struct array in[3], tau = array_new(0, SAMPLES * ROWS);
+	struct target t;
+	size_t length;
+	char *urdf = target_robot("double_pendulum", &length);
+
+	if (compiler_lacks(&clang, 0)) {
+		printf("skipped: no clang\n");
+		return;
+	}
+	o.target = RNEAGEN_TARGET_C;
+	o.precision = RNEAGEN_F64;
+	o.layout = _i ? RNEAGEN_AOS : RNEAGEN_SOA;
+	target_open(&t, urdf, length, &o, &clang, "null");
+	for (int k = 0; k < 3; k++) {
+		in[k] = array_new(0, SAMPLES * ROWS);
+		for (size_t i = 0; i < SAMPLES * ROWS; i++)
+			array_set(&in[k], i, 0.5);
+	}
+	target_batch(&t, &in[0], &in[1], &in[2], &tau, SAMPLES);
+	ck_assert(same_number(array_get(&tau, 0), array_get(&tau, o.layout == RNEAGEN_AOS ? ROWS : 1)));
+	for (int k = 0; k < 3; k++)
+		array_free(&in[k]);
+	array_free(&tau);
+	target_close(&t);
+	free(urdf);
+}
+END_TEST
+
 /* Exactly +0, and said so. */
 START_TEST(zero_is_stored)
 {
@@ -458,6 +492,7 @@ int main(void)
 	suite_add(suite, "own", own_robots, 1, 1200);
 	suite_add(suite, "real", real_robots, 1, 1200);
 	suite_add(suite, "one joint", one_joint_aos, 1, 60);
+	suite_add(suite, "null", no_offset_of_null, 2, 60);
 	suite_add(suite, "zero", zero_is_stored, 1, 1200);
 	suite_add(suite, "fast", fast_math_is_refused, 6, 1200);
 	suite_add(suite, "batches", batches_are_c, 1, 60);
