@@ -157,7 +157,8 @@ def case_one_sweep():
 
 def case_no_torque():
     """The derivative of one of several outputs where the torque by which qdd is found is known."""
-    robots = load("double_pendulum", want=["accel.lower", "qdd"], fold={"tau": 0}), load("double_pendulum", want=["accel.lower", "qdd"])
+    wanted = ["accel.lower", "qdd"]
+    robots = load("double_pendulum", want=wanted, fold={"tau": 0}), load("double_pendulum", want=wanted)
     q, qd = (x.requires_grad_() for x in tensors(robots[0], 4))
     found, right = (torch.autograd.grad(robot(q, qd, *given).accel_lower.sum(), (q, qd))
                     for robot, given in zip(robots, ([], [torch.zeros_like(q)])))

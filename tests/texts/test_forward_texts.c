@@ -306,7 +306,7 @@ static const struct relayed {
 	{"panda", RNEAGEN_F64, 1, 1, "1 528", NULL, 1},
 	{"atlas", RNEAGEN_F32, 0, 0, "1 528 64", "l_hand,l_foot", 2},
 	{"atlas", RNEAGEN_F64, 0, 0, "1 528", "l_hand,l_foot", 2},
-	/* where all is asked for: they take compilers a minute; columns of g1_29dof go from their limb's loop on to one of all */
+	/* where all is asked for: they take compilers long; columns of g1_29dof go from their limb's loop on to one of all */
 	{"g1_29dof", RNEAGEN_F32, 1, 0, "2 528", NULL, 1},
 	{"atlas", RNEAGEN_F64, 0, 1, "2 264", NULL, 2},
 };
