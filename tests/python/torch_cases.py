@@ -381,7 +381,7 @@ def case_second():
         refused(NotImplementedError, ["no third derivatives", "hessian", "differences"],
                 torch.func.jacfwd(torch.func.hessian(loss)), x[0].detach()[0])
     slides = load("gantry", want="qdd", fold={"qd": 0})  # linear in tau: its vjp does not vary
-    Minv, (q, tau) = torch.from_numpy(np.linalg.inv(load("gantry", want="M")())), tensors(slides)
+    Minv, (q, tau) = torch.from_numpy(np.linalg.inv(load("gantry", want="M")())).to(device), tensors(slides)
     for hessian in (torch.func.hessian, lambda f: lambda x: torch.autograd.functional.hessian(f, x)):
         assert near(hessian(lambda x: slides(q, x).square().sum())(tau), 2 * Minv @ Minv)
 
