@@ -127,17 +127,24 @@ static void output(const struct kinematics *x, int argument, struct svec linear,
 	}
 }
 
-/* At the frame's origin r in the body, in the body's axes, where the Jacobian is in the link's: a + dw x r + w x (w x
-   r); spatial, it is that less w x v. In the world's frame the spatial one is seen from the world's origin. */
+/* At the frame's origin r in the body, in the body's axes: classical, a + dw x r + w x (w x r); spatial, a - w x v + dw x r, which of a
+   link that is one with a floating base is 0. In the world's frame the spatial one is seen from the world's origin. */
+static struct svec rate_at(const struct kinematics *x, const struct carried_motion *m, struct svec r)
+{
+	struct dag *d = x->d;
+	struct smat U = motion_rate_matrix(d, m->w, m->dw);
+
+	if (x->k->frame == FRAME_WORLD_ALIGNED)
+		return svec_add(d, m->a, smat_mul(d, &U, r));
+	return svec_add(d, svec_sub(d, m->a, svec_cross(d, m->w, m->v)), svec_cross(d, m->dw, r));
+}
+
 static void output_rate(const struct kinematics *x, const struct want *w, const struct carried_motion *m, int argument)
 {
 	struct dag *d = x->d;
-	struct svec r = svec_const(d, w->X.p), v = svec_add(d, m->v, svec_cross(d, m->w, r)), a = m->a, dw = m->dw;
-	struct smat R = smat_const(d, &w->X.R), U = motion_rate_matrix(d, m->w, m->dw);
+	struct svec a = rate_at(x, m, svec_const(d, w->X.p)), dw = m->dw;
+	struct smat R = smat_const(d, &w->X.R);
 
-	a = svec_add(d, a, smat_mul(d, &U, r));
-	if (x->k->frame != FRAME_WORLD_ALIGNED)
-		a = svec_sub(d, a, svec_cross(d, m->w, v));
 	if (x->k->frame == FRAME_LINK) {
 		output(x, argument, smat_mul_transposed(d, &R, a), smat_mul_transposed(d, &R, dw));
 		return;

@@ -234,6 +234,35 @@ START_TEST(forward)
 }
 END_TEST
 
+/* ---- what is always zero ---- */
+
+/* dJ/dt qd of a frame that is one with a floating base is 0, since qdd is the spatial acceleration: numbers that cancel but for their
+   rounding would be an error without bounds. In axes of the world it is classical. */
+START_TEST(rates_of_a_base)
+{
+	static const struct {
+		const char *frame;
+		int is_zero;
+	} of[] = {{"link", 1}, {"world", 1}, {"world-aligned", 0}};
+	struct kin_case *c = calloc(1, sizeof *c);
+	struct rneagen_options o = rneagen_options_default();
+	char *urdf = robot_text("hyq"), scene[100];
+	int varying = 0;
+
+	snprintf(scene, sizeof scene, "add-frame camera=trunk,0.1,0.2,0.3,0.3,0.2,0.1\nwant djacobian.camera\nframe %s\n", of[_i].frame);
+	o.scene = scene;
+	o.base = RNEAGEN_FLOATING;
+	c->added[c->added_count++] = (struct kin_added){"camera", "trunk", {0.1, 0.2, 0.3, 0.3, 0.2, 0.1}};
+	ck_assert(kin_open(c, urdf, NULL, &o, SEED));
+	for (size_t k = 0; k < c->analysis.dag.output_count; k++)
+		varying += c->analysis.dag.outputs[k].value.i != 0;
+	ck_assert_int_eq(varying, of[_i].is_zero ? 0 : 3);
+	kin_close(c);
+	free(c);
+	free(urdf);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("kinematics of robots");
@@ -243,5 +272,6 @@ int main(void)
 	suite_add(suite, "others", others, 1, 3000);
 	suite_add(suite, "hard", hard, HARD_COUNT, 300);
 	suite_add(suite, "forward", forward, 3, 300);
+	suite_add(suite, "rates_of_a_base", rates_of_a_base, 3, 30);
 	return suite_run(suite);
 }
