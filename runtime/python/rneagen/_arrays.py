@@ -7,6 +7,7 @@ import functools
 import importlib
 import keyword
 import math
+import operator
 import re
 from typing import Any, Iterable, Sequence
 
@@ -71,6 +72,17 @@ def identifiers(arrays: Sequence[Array]) -> list[str]:
     words = [re.sub(r"\W", "_", array.word) for array in arrays]
     good = len(set(words)) == len(words) and all(w.isidentifier() and not keyword.iskeyword(w) and w[0] != "_" for w in words)
     return words if good else [array.name for array in arrays]
+
+
+def whole(name: str, value: Any, end: int) -> int:
+    """A number from 0 to end - 1."""
+    try:
+        number = int(operator.index(value))
+    except TypeError:
+        raise TypeError(f"{name} takes a whole number, not {value!r}") from None
+    if not 0 <= number < end:
+        raise ValueError(f"{name} takes a whole number from 0 to {end - 1}, not {number}")
+    return number
 
 
 def copy_of(x: numpy.ndarray) -> numpy.ndarray:

@@ -447,14 +447,15 @@ class Robot(_core.Robot):
     def random(self, n: int | None = None, seed: int = 1, dtype=None):
         """A named tuple of all inputs, drawn within the joints' limits or the scene's `range`: arrays of `n` samples,
         or of one without a leading axis. The same seed gives the same samples, those of `rnearun report`."""
-        drawn = translated(self._model.draw, seed, 1 if n is None else n)
+        count = _arrays.whole("n", 1 if n is None else n, 2 ** 63)
+        drawn = translated(self._model.draw, _arrays.whole("seed", seed, 2 ** 64), count)
         dtype = numpy.dtype(dtype or _arrays.DTYPES[self.scalar or "f64"])
         if dtype.kind != "f":
             raise TypeError(f"dtype: float32 or float64 is wanted, not {dtype}")
         values = []
         for array in self.inputs:
             x = numpy.frombuffer(drawn[array.name], float).astype(dtype)
-            values.append(x.reshape(array.shape if array.per_batch or n is None else (n, *array.shape)))
+            values.append(x.reshape(array.shape if array.per_batch or n is None else (count, *array.shape)))
             if array.role == "joint_position" and self._conversion:
                 values[-1][..., 3:7] = values[-1][..., [6, 3, 4, 5]]
         return tuple_of("Inputs", tuple(a.name if not keyword.iskeyword(a.name) else a.name + "_" for a in self.inputs))(*values)
