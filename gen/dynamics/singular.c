@@ -17,10 +17,11 @@ static const struct draw_options DRAWN = {.seed = 1, .count = SAMPLES, .each = 1
 static void normalise(const struct tree *t, real *q)
 {
 	for (int i = 0; i < t->joint_count; i++) {
-		real *k = q + t->joints[i].iq + 3, norm;
+		real *k, norm;
 
 		if (t->joints[i].type != JOINT_FLOATING)
 			continue;
+		k = q + t->joints[i].iq + 3;
 		norm = sqrtl(k[0] * k[0] + k[1] * k[1] + k[2] * k[2] + k[3] * k[3]);
 		for (int c = 0; c < 4; c++)
 			k[c] /= norm;

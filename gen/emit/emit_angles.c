@@ -85,8 +85,10 @@ static const char *tables_text(const struct emission *e, const struct function *
 
 	text_init(&t, e->arena);
 	text_printf(&t, "%s%s", known, emit_angles(e, p, 0).count ? name : "0");
-	if (e->wide)
-		text_printf(&t, emit_angles(e, p, 1).count ? ", %s_wide" : ", 0", name);
+	if (e->wide && emit_angles(e, p, 1).count)
+		text_printf(&t, ", %s_wide", name);
+	else if (e->wide)
+		text_put(&t, ", 0");
 	return text_string(&t);
 }
 

@@ -395,7 +395,11 @@ def case_explicit_mesh():
         return robot(*x), loss(*x), jax.jvp(lambda q: robot(q, *x[1:]), x[:1], x[:1])
 
     right = jax.tree.leaves(all_of(*x))
+    other = load("cartpole", base="floating", convention="mujoco")
+    y = arrays(other, 6)
     with jax.set_mesh(mesh):
+        here = [jax.device_put(a, NamedSharding(mesh, PartitionSpec("samples"))) for a in y]
+        assert near(jnp.asarray(np.asarray(other(*here))), np.asarray(other(*y)))
         for divided in ((0, 1, 2), (1,)):
             here = [jax.device_put(y, NamedSharding(mesh, PartitionSpec("samples" if i in divided else None)))
                     for i, y in enumerate(x)]

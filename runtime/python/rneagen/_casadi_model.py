@@ -132,7 +132,7 @@ class Model:
     def tangents(self, array: Array, row: int) -> frozenset[int]:
         if array.role not in PARTS:
             return frozenset([self.tangent_at[array.word] + row])
-        if array.role == "joint_torque" and row in self.robot._facts["given_torques"]:
+        if array.role == "joint_torque" and row in self.robot._facts["given"]["tau"]:
             return frozenset()  # which a text has derivatives by, though it does not read it
         if not self.is_position(array):
             return frozenset([PARTS[array.role] * self.nv + row])

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple, Sequence
 
-from . import _arrays, _lie
+from . import _arrays, _lie, _names
 from ._gradient import FREED, PARTS
 
 VECTORS = ("joint_torque", "gravity_torque")  # outputs that are forces
@@ -23,17 +23,17 @@ OTHERS = ("power", "kinetic_energy", "potential_energy", "link_twist", "link_acc
           "link_pose", "center_of_mass", "center_of_mass_velocity", "momentum", "momentum_rate")
 
 
-def position_of(xp, q):
+def native_position(xp, q):
     """With the quaternion's scalar last."""
     return xp.concatenate((q[..., :3], q[..., 4:7], q[..., 3:4], q[..., 7:]), -1)
 
 
-def position_from(xp, q):
+def mujoco_position(xp, q):
     """With the quaternion's scalar first."""
     return xp.concatenate((q[..., :3], q[..., 6:7], q[..., 3:6], q[..., 7:]), -1)
 
 
-def linear(xp, x, change):
+def with_linear(xp, x, change):
     """Rows x with their first three changed."""
     return xp.concatenate((change(x[..., :3]), x[..., 3:]), -1)
 
@@ -52,9 +52,25 @@ class Base(NamedTuple):
         return _lie.turned(self.cross, _lie.inverse(self.xp, self.quaternion), v)
 
     def matrix_to_world(self, M):
-        """T M T' of a symmetric M."""
-        rows = self._replace(quaternion=self.quaternion[..., None, :])
-        return linear(self.xp, self.xp.swapaxes(linear(self.xp, M, rows.to_world), -1, -2), rows.to_world)
+        """T M T' of a symmetric M; NumPy's and CuPy's, which nobody else has, in its place."""
+        xp, rows = self.xp, self._replace(quaternion=self.quaternion[..., None, :])
+        left = rows.to_world(M[..., :3])
+        own, below = rows.to_world(xp.swapaxes(left[..., :3, :], -1, -2)), left[..., 3:, :]
+        if xp.__name__ in ("numpy", "cupy"):
+            M[..., :3, :3], M[..., 3:, :3], M[..., :3, 3:] = own, below, xp.swapaxes(below, -1, -2)
+            return M
+        right = xp.concatenate((xp.swapaxes(below, -1, -2), M[..., 3:, 3:]), -2)
+        return xp.concatenate((xp.concatenate((own, below), -2), right), -1)
+
+
+def nonlinear_effects(robot, args: tuple, kwargs: dict[str, Any]):
+    """tau of a robot at qdd = 0, of the other arrays by their place or name."""
+    names = tuple(a.name for a in robot.inputs if a.role != "joint_acceleration")
+    given = _names.given_of(robot, names, args, kwargs)
+    if given.get("qd") is not None:
+        xp, _, qd = _lie.namespace(qd=given["qd"])
+        given["qdd"] = xp.zeros_like(qd)
+    return robot(**given)
 
 
 class MuJoCo:
@@ -67,9 +83,11 @@ class MuJoCo:
 
     def refuse_others(self) -> None:
         native = self.native
-        for joint in native.joints:
-            if joint["nq"] != joint["nv"] and joint["iq"]:
-                raise ValueError(f"convention 'mujoco': joint '{joint['name']}' floats behind other joints; take 'pinocchio'")
+        floating = [joint["name"] for joint in native.joints if joint["nq"] != joint["nv"]]
+        if len(floating) > 1 or not native._facts["free_base"]:
+            raise ValueError(f"convention 'mujoco' has one joint that floats, in the world's own frame and ahead of all others; "
+                             f"joint '{floating[-1]}' is another; take 'pinocchio'")
+        self.refuse_given()
         for array in (*native.inputs, *native.outputs):
             good = (*VECTORS, *MATRICES, *OTHERS, "joint_acceleration") if array.is_output else \
                 (*PARTS, *FREED, "link_wrench")
@@ -82,6 +100,16 @@ class MuJoCo:
             raise ValueError("convention 'mujoco': accelerations need q and qd, which the scene leaves out; take 'pinocchio'")
         if every & {*VECTORS, *MATRICES, "joint_velocity"} and "joint_position" not in self.roles:
             raise ValueError("convention 'mujoco' needs q, which the scene leaves out; take 'pinocchio'")
+
+    def refuse_given(self) -> None:
+        """What fold= gives of the base is in the library's convention; velocities and forces that are all 0 are in both, and
+        accelerations beside such velocities."""
+        given, nv = self.native._facts["given"], self.native.nv
+        still = {name for name, rows in given.items() if len(rows) == nv and not any(rows.values())}
+        for name, rows in given.items():
+            is_alike = name in still and name != "q" and (name != "qdd" or "qd" in still)
+            if any(row < (7 if name == "q" else 6) for row in rows) and not is_alike:
+                raise ValueError(f"convention 'mujoco': fold gives {name} of the floating base; take 'pinocchio'")
 
     # ---- calls ----
 
@@ -103,6 +131,8 @@ class MuJoCo:
     def check(self, arrays: Sequence[Any]) -> None:
         """What the native robot would no longer see: shapes, and types of numbers, before they are converted."""
         given = [(a, x) for a, x in zip(self.native.inputs, arrays) if x is not None]
+        if not given:
+            return
         first, like = given[0]
         for array, x in given:
             if str(x.dtype).rpartition(".")[2] not in ("float32", "float64"):
@@ -117,7 +147,7 @@ class MuJoCo:
         if "joint_position" not in given:
             return None
         xp, cross, q = _lie.namespace(q=given["joint_position"])
-        base = Base(xp, cross, _lie.unit(xp, position_of(xp, q)[..., 3:7]), None)
+        base = Base(xp, cross, _lie.unit(xp, native_position(xp, q)[..., 3:7]), None)
         if "joint_velocity" not in given:
             return base
         qd = given["joint_velocity"]
@@ -127,10 +157,10 @@ class MuJoCo:
         if base is None or role not in PARTS:
             return x
         if role == "joint_position":
-            return position_of(base.xp, x)
+            return native_position(base.xp, x)
         if role == "joint_acceleration":
-            return linear(base.xp, x, lambda a: base.to_base(a) - base.coriolis)
-        return linear(base.xp, x, base.to_base)
+            return with_linear(base.xp, x, lambda a: base.to_base(a) - base.coriolis)
+        return with_linear(base.xp, x, base.to_base)
 
     def output(self, role: str, x, base: Base | None):
         if base is None or role in OTHERS:
@@ -138,17 +168,17 @@ class MuJoCo:
         if role in MATRICES:
             return base.matrix_to_world(x)
         if role == "joint_acceleration":
-            return linear(base.xp, x, lambda a: base.to_world(a + base.coriolis))
-        return linear(base.xp, x, base.to_world)
+            return with_linear(base.xp, x, lambda a: base.to_world(a + base.coriolis))
+        return with_linear(base.xp, x, base.to_world)
 
     # ---- positions ----
 
     def moved(self, xp, cross, q, v):
         """The base's q by its velocity: the position adds, the quaternion moves as it does by a twist."""
         twist = xp.concatenate((xp.zeros_like(v[..., :3]), v[..., 3:]), -1)
-        return linear(xp, position_from(xp, _lie.moved(xp, cross, position_of(xp, q), twist)), lambda p: p + v[..., :3])
+        return with_linear(xp, mujoco_position(xp, _lie.moved(xp, cross, native_position(xp, q), twist)), lambda p: p + v[..., :3])
 
     def between(self, xp, cross, q0, q1):
         """The velocity by which q0 becomes q1, turning by pi at most."""
-        twist = _lie.between(xp, cross, position_of(xp, q0), position_of(xp, q1))
-        return linear(xp, twist, lambda a: q1[..., :3] - q0[..., :3])
+        twist = _lie.between(xp, cross, native_position(xp, q0), native_position(xp, q1))
+        return with_linear(xp, twist, lambda a: q1[..., :3] - q0[..., :3])

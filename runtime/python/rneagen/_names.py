@@ -15,7 +15,7 @@ def call(robot, names: tuple[str, ...], args: tuple, kwargs: dict[str, Any]):
     read = {a.name for a in robot.inputs}
     if read.issuperset(names):
         return robot(*args, **kwargs)
-    given = _given(robot, names, args, kwargs)
+    given = given_of(robot, names, args, kwargs)
     unread = {n: given.pop(n) for n in names if n not in read and n in given}
     looked_at = {**{n: given[n] for n in names if given.get(n) is not None}, **unread}
     lead = lead_of((n, x, robot.nq if n == "q" else robot.nv) for n, x in looked_at.items())
@@ -25,7 +25,8 @@ def call(robot, names: tuple[str, ...], args: tuple, kwargs: dict[str, Any]):
     return _spread(robot, result, lead, next(iter(unread.items())))
 
 
-def _given(robot, names: tuple[str, ...], args: tuple, kwargs: dict[str, Any]) -> dict[str, Any]:
+def given_of(robot, names: tuple[str, ...], args: tuple, kwargs: dict[str, Any]) -> dict[str, Any]:
+    """Arrays by name, of which `names` come first by their place."""
     places = (*names, *(a.name for a in robot.inputs if a.name not in names))
     if len(args) > len(places):
         raise TypeError(f"{len(args)} arrays: {_arrays.takes(places, has_out=False)}")

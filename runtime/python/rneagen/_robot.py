@@ -496,15 +496,14 @@ class Robot(_core.Robot):
     @_names.takes("q")
     def computeMinverse(self, *args: Any, **kwargs: Any) -> Any:
         """Minv = computeMinverse(q): the inverse of the mass matrix (..., nv, nv), whole."""
-        robot = self._unfolded("qdd")._wanting(("Minv",), self.sparse, ("qd=0", "tau=0"))
+        robot = self._unfolded("qdd")._unfolded("tau")._wanting(("Minv",), self.sparse, ("qd=0", "tau=0"))
         return _names.call(robot, ("q",), args, kwargs)
 
     @_names.takes("q", "qd")
     def nonLinearEffects(self, *args: Any, **kwargs: Any) -> Any:
         """tau = nonLinearEffects(q, qd): of gravity and velocities, (..., nv)."""
         if self._conversion:  # M of the base's Coriolis term is in it: MuJoCo's qdd = 0 is another than ours
-            xp, _, qd = _lie.namespace(qd=args[1] if len(args) > 1 else kwargs["qd"])
-            return self.want("tau")(*args, **kwargs, qdd=xp.zeros_like(qd))
+            return _convention.nonlinear_effects(self.want("tau"), args, kwargs)
         return _names.call(self._unfolded("tau").want("bias"), ("q", "qd"), args, kwargs)
 
     @_names.takes("q")

@@ -54,6 +54,7 @@ class Operator:
             if self._out is None:
                 given = ", ".join(f"Tensor(a{i}!) out{i}" for i in range(len(self.outputs)))
                 names = [f"out{i}" for i in range(len(self.outputs))]
+                self.defined.add(f"{self.name}_out")
                 op = torch.library.custom_op(f"rneagen::{self.name}_out", self.run_out, mutates_args=names,
                                              schema=f"({', '.join(filter(None, (self._takes(), given)))}) -> ()")
                 op.register_fake(lambda *tensors: None)

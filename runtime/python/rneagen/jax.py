@@ -62,7 +62,8 @@ def gathered(arrays: list) -> list:
     """Whole on each device, where types tell how they are divided among the devices of the mesh that is set."""
     if not hasattr(jax, "set_mesh") or jax.sharding.get_abstract_mesh().empty:
         return arrays
-    return [jax.sharding.reshard(x, jax.sharding.PartitionSpec()) if any(jax.typeof(x).sharding.spec) else x for x in arrays]
+    return [jax.sharding.reshard(x, jax.sharding.PartitionSpec()) if x is not None and any(jax.typeof(x).sharding.spec) else x
+            for x in arrays]
 
 
 def call(robot, arrays: Sequence[Any], out: Any):
@@ -71,7 +72,7 @@ def call(robot, arrays: Sequence[Any], out: Any):
         raise TypeError("out: arrays of JAX cannot be written; a call returns new ones")
     given = [None if x is None else x if isinstance(x, jax.Array) else jnp.asarray(x) for x in arrays]
     if robot._conversion:
-        return robot._conversion.call(given, None)
+        return robot._conversion.call(gathered(given), None)
     operator = robot.__dict__.get("_jax") or _jax_operator.operator_of(robot)
     lead = check(robot, given)
     dtype = next(x for x in given if x is not None).dtype

@@ -26,6 +26,7 @@ from torch import Tensor
 from torch.autograd import forward_ad
 
 from . import _arrays, _gradient, _robot
+from ._errors import RobotError
 from ._torch_operator import Operator, check_dense, is_plain, lock, names_of
 
 HALVES = (torch.float16, torch.bfloat16)
@@ -44,20 +45,28 @@ def operator_of(robot) -> Operator:
     return _robot.operator_of(robot, "_torch", _operators, lock, lambda name: Operator(robot, name, function_for))
 
 
+def derive(parent: str, derivation: str) -> None:
+    """Make the operator of a derivative, where there is one of this name."""
+    if _gradient.DERIVATION.fullmatch(derivation) and hasattr(torch.ops.rneagen, parent):
+        try:
+            operator_of(_operators[parent].gradients.derived(derivation))
+        except (IndexError, StopIteration, RobotError):
+            pass
+
+
 def find(name: str) -> None:
     """What torch.ops.rneagen asks first for a name that it does not know: that of a robot that was not called yet, or of a
     derivative. Programs of torch.export, and graphs that torch.compile has kept from another run, come with such names."""
-    parent, _, derivation = name.rpartition("__")
     with lock:
-        if name in Operator.defined:
-            pass
-        elif _gradient.DERIVATION.fullmatch(derivation) and hasattr(torch.ops.rneagen, parent):
-            operator_of(_operators[parent].gradients.derived(derivation))
-        else:
-            for robot in list(_robot.ALIVE.values()):
-                if not robot._is_sparse and _robot.operator_name(robot) == name:
-                    operator_of(robot)
-                    break
+        if name not in Operator.defined:
+            derive(*name.rpartition("__")[::2])
+        for robot in [] if name in Operator.defined else list(_robot.ALIVE.values()):
+            own = "" if robot._is_sparse else _robot.operator_name(robot)
+            if name in (own, f"{own}_out"):
+                operator = operator_of(robot)
+                if name != own:
+                    operator.op_out
+                break
     raise AttributeError(name)
 
 

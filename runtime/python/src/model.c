@@ -177,32 +177,56 @@ static PyObject *model_joints(PyObject *self, PyObject *unused)
 	return list;
 }
 
-/* Strings, and rows of tau that are given. */
-static int append_facts(const struct analysis *a, PyObject *warnings, PyObject *given)
+static PyObject *warnings_list(const struct analysis *a)
 {
-	for (size_t i = 0; i < a->robot.warning_count; i++)
-		if (append(warnings, PyUnicode_FromString(a->robot.warnings[i])))
-			return -1;
-	for (int i = 0; i < a->tree.nv; i++)
-		if (a->request.tau[i].is_given && append(given, PyLong_FromLong(i)))
-			return -1;
-	return 0;
+	PyObject *list = PyList_New(0);
+
+	for (size_t i = 0; list && i < a->robot.warning_count; i++)
+		if (append(list, PyUnicode_FromString(a->robot.warnings[i])))
+			Py_CLEAR(list);
+	return list;
+}
+
+/* Does the robot float, with the first rows of q, in the world's own frame? */
+static int has_free_base(const struct analysis *a)
+{
+	const struct tree *t = &a->stated;
+	const struct body *b = t->joint_count ? &t->bodies[t->joints[0].body] : NULL;
+	int is_free = b && t->joints[0].type == JOINT_FLOATING && !t->joints[0].iq && b->parent < 0;
+
+	for (int i = 0; i < 9 && is_free; i++)
+		is_free = b->X.R.m[i / 3][i % 3].x == (i / 3 == i % 3) && b->X.p[i / 3].x == 0;
+	return is_free;
+}
+
+/* Values of the rows that the scene gives, by row. */
+static PyObject *given_dict(const struct row *rows, int count)
+{
+	PyObject *dict = PyDict_New();
+
+	for (int i = 0; dict && i < count; i++) {
+		PyObject *row = PyLong_FromLong(i), *value = PyFloat_FromDouble((double)rows[i].value.x);
+
+		if (!row || !value || (rows[i].is_given && PyDict_SetItem(dict, row, value)))
+			Py_CLEAR(dict);
+		Py_XDECREF(row);
+		Py_XDECREF(value);
+	}
+	return dict;
 }
 
 static PyObject *model_facts(PyObject *self, PyObject *unused)
 {
 	const struct analysis *a = &((struct model *)self)->analysis;
-	PyObject *warnings = PyList_New(0), *given = PyList_New(0);
+	const struct request *k = &a->request;
+	int nq = a->tree.nq, nv = a->tree.nv;
 
 	(void)unused;
-	if (!warnings || !given || append_facts(a, warnings, given)) {
-		Py_XDECREF(warnings);
-		Py_XDECREF(given);
-		return NULL;
-	}
-	return Py_BuildValue("{ss si si si sO sO sl sN sN}", "name", a->robot.name, "nq", a->tree.nq, "nv", a->tree.nv, "nb",
-		a->tree.body_count, "floating", a->tree.floating ? Py_True : Py_False, "forward",
-		a->request.is_forward ? Py_True : Py_False, "flops", analysis_flops(a), "warnings", warnings, "given_torques", given);
+	return Py_BuildValue("{ss si si si sO sO sO sl sN s{sN sN sN sN}}", "name", a->robot.name, "nq", nq, "nv", nv, "nb",
+		a->tree.body_count, "floating", a->tree.floating ? Py_True : Py_False, "free_base",
+		has_free_base(a) ? Py_True : Py_False, "forward",
+		k->is_forward ? Py_True : Py_False, "flops", analysis_flops(a), "warnings", warnings_list(a), "given", "q",
+		given_dict(k->q, nq), "qd", given_dict(k->qd, nv), "qdd", given_dict(k->qdd, nv), "tau", given_dict(k->tau, nv));
 }
 
 /* ---- drawn inputs ---- */
