@@ -241,8 +241,8 @@ static int operations(const struct pattern *related, const struct pattern *coupl
 	return 2 * pairs;
 }
 
-/* Operations that a relay's third kernel is to have fewer, so that a column goes from a limb's loop on to one of all. H200, how many
-   fewer, and ns for each of 262144 samples of the kernel, in loops of their own and so: floating hyq 396, f32 1.07 and 1.08,
+/* Operations that a relay's third kernel is to have fewer, so that a column goes from a limb's loop on to one of all. H200, how
+   many fewer, and ns for each of 262144 samples of the kernel, in loops of their own and so: floating hyq 396, f32 1.07 and 1.08,
    f64 1.96 and 2.01; atlas without its right side 513, 2.27 and 2.48, 4.28 and 7.0; anymal_kinova 750, 2.41 and 2.56, 4.70 and
    3.69; g1_29dof 1530, 7.9 and 6.9, 20.1 and 15.0; atlas 1896, 9.0 and 7.1, 21.9 and 14.8. */
 enum { HALVED_LEAST = 1000 };

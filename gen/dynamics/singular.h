@@ -1,6 +1,6 @@
 #ifndef RNEAGEN_SINGULAR_H
 #define RNEAGEN_SINGULAR_H
-/* Is the mass matrix singular whatever the state: does a joint move no mass, or none that others do not move as well? Or is what
+/* Is the mass matrix singular whatever the state: does a joint move no mass of its own, or next to none? Or is what
    opspace is the inverse of? */
 
 #include "dag/dag.h"

@@ -90,7 +90,7 @@ static enum rneagen_code refuse_singular(const struct analysis *a, int row)
 			"%s: M is singular: the floating base, link \"%.255s\", has no mass of its own: give it an inertia, or take --base fixed",
 			a->options.file, a->tree.bodies[0].link);
 	return error_set(a->error, RNEAGEN_TREE,
-		"%s: M is singular: joint \"%.255s\" moves no mass, or none that others do not move as well: lock it (--lock)%s",
+		"%s: M is singular: joint \"%.255s\" moves no mass of its own, or next to none: lock it (--lock)%s",
 		a->options.file, j->name, j->nv == 1 ? ", or give it an armature (--armature)" : "");
 }
 

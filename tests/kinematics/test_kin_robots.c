@@ -236,8 +236,8 @@ END_TEST
 
 /* ---- what is always zero ---- */
 
-/* dJ/dt qd of a frame that is one with a floating base is 0, since qdd is the spatial acceleration: numbers that cancel but for their
-   rounding would be an error without bounds. In axes of the world it is classical. */
+/* dJ/dt qd of a frame that is one with a floating base is 0, since qdd is the spatial acceleration: numbers that cancel but for
+   their rounding would be an error without bounds. In axes of the world it is classical. */
 START_TEST(rates_of_a_base)
 {
 	static const struct {

@@ -306,7 +306,7 @@ static const struct relayed {
 	{"panda", RNEAGEN_F64, 1, 1, "1 528", NULL, 1},
 	{"atlas", RNEAGEN_F32, 0, 0, "1 528 64", "l_hand,l_foot", 2},
 	{"atlas", RNEAGEN_F64, 0, 0, "1 528", "l_hand,l_foot", 2},
-	/* where all is asked for: they take compilers long; columns of g1_29dof go from their limb's loop on to one of all */
+	/* where all is asked for: compilers take long; g1_29dof: from each limb's loop on to one of all columns */
 	{"g1_29dof", RNEAGEN_F32, 1, 0, "2 528", NULL, 1},
 	{"atlas", RNEAGEN_F64, 0, 1, "2 264", NULL, 2},
 };
@@ -325,6 +325,34 @@ static void check_slices(const char *text, int is_staged)
 	store = strstr(body, "RNEA_STORE(");
 	ck_assert_msg(!store || store > end, "a part of the first kernel stores to global memory");
 }
+
+/* What the short form does not run: of a humanoid that floats each limb's columns go to the base in a loop of their own, and all
+   out from it in one, of a quadruped each limb's in one loop. */
+START_TEST(halves)
+{
+	static const struct {
+		const char *name;
+		int loops, is_halved;
+	} of[] = {{"g1_29dof", 7, 1}, {"hyq", 5, 0}};
+	struct rneagen_options o = rneagen_options_default();
+	size_t length;
+	char *urdf = target_robot(of[_i].name, &length), loop[60];
+	struct target t;
+
+	o.scene = "want qdd,dqdd_dq,dqdd_dqd\n";
+	o.base = RNEAGEN_FLOATING;
+	o.target = RNEAGEN_TARGET_CUDA;
+	o.name = "halved";
+	target_generate(&t, urdf, length, &o, "halved");
+	snprintf(loop, sizeof loop, "halved_fd_solve_loop%d(column + k", of[_i].loops - 1);
+	ck_assert(strstr(t.text.source, loop) != NULL);
+	snprintf(loop, sizeof loop, "halved_fd_solve_loop%d(", of[_i].loops);
+	ck_assert(!strstr(t.text.source, loop));
+	ck_assert(!!strstr(t.text.source, "reduced[35] = {0};") == of[_i].is_halved);
+	target_close(&t);
+	free(urdf);
+}
+END_TEST
 
 START_TEST(relay)
 {
@@ -455,6 +483,7 @@ int main(void)
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(suite, "texts", texts, 1, 300);
+	suite_add(suite, "halves", halves, 2, 60);
 	suite_add(suite, "relay", relay, RELAYED_COUNT - (exhaustive() ? 0 : LONG_COUNT), 300);
 	suite_add(suite, "strict", strict, 2, 120);
 	return suite_run(suite);

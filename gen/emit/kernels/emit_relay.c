@@ -92,7 +92,7 @@ static void put_loop_call(const struct emission *e, int loop, const char *argume
 		is_halved(e) ? ", reduced" : "");
 }
 
-/* The body of a loop over these columns. */
+/* The body of a loop over these columns, with its braces where it has some. */
 static void put_column(const struct emission *e, const struct column_run *r, struct text *out)
 {
 	const struct dag *d = &solve_of(e)->dag;
@@ -213,9 +213,11 @@ static const char *loops_text(const struct emission *e)
 	int first = 0, next = 0;
 
 	text_init(&t, e->arena);
-	if (is_halved(e))
+	if (is_halved(e)) {
 		put_loop(e, d->runs, end, 0, relay_columns(e->relay), halves_text(e), &t);
-	for (const struct column_run *r = d->runs; r < d->runs + d->run_count && !is_halved(e); r = end, first = next) {
+		return text_string(&t);
+	}
+	for (const struct column_run *r = d->runs; r < d->runs + d->run_count; r = end, first = next) {
 		end = end_of(d, r, &next);
 		put_loop(e, r, end, first, next, loop_text(e, r->loop), &t);
 	}

@@ -85,8 +85,8 @@ class MuJoCo:
         native = self.native
         floating = [joint["name"] for joint in native.joints if joint["nq"] != joint["nv"]]
         if len(floating) > 1 or not native._facts["free_base"]:
-            raise ValueError(f"convention 'mujoco' has one joint that floats, in the world's own frame and ahead of all others; "
-                             f"joint '{floating[-1]}' is another; take 'pinocchio'")
+            raise ValueError("convention 'mujoco' has one joint that floats, in the world's own frame and ahead of all others, not "
+                             f"'{floating[-1]}'; take 'pinocchio'")
         self.refuse_given()
         for array in (*native.inputs, *native.outputs):
             good = (*VECTORS, *MATRICES, *OTHERS, "joint_acceleration") if array.is_output else \
@@ -176,7 +176,8 @@ class MuJoCo:
     def moved(self, xp, cross, q, v):
         """The base's q by its velocity: the position adds, the quaternion moves as it does by a twist."""
         twist = xp.concatenate((xp.zeros_like(v[..., :3]), v[..., 3:]), -1)
-        return with_linear(xp, mujoco_position(xp, _lie.moved(xp, cross, native_position(xp, q), twist)), lambda p: p + v[..., :3])
+        turned = mujoco_position(xp, _lie.moved(xp, cross, native_position(xp, q), twist))
+        return with_linear(xp, turned, lambda p: p + v[..., :3])
 
     def between(self, xp, cross, q0, q1):
         """The velocity by which q0 becomes q1, turning by pi at most."""

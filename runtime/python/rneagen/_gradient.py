@@ -32,8 +32,8 @@ HAD = ("There are no third derivatives, and second ones by q, qd, qdd and tau al
 REFUSED = {"jvp": f"it is a derivative along a direction. {HAD}", "joint_acceleration_bound": "it is a bound"}  # by role
 
 
-# Names of derivatives: vjp_OF_BY, jvp_OF_BY_APART, second_BY_APART, along, apart_WORDS. Each part is places of words among inputs,
-# then outputs.
+# Names of derivatives: vjp_OF_BY, jvp_OF_BY_APART, second_BY_APART, along, apart_WORDS. Each part is places of words among
+# inputs, then outputs.
 DERIVATION = re.compile(r"(vjp|jvp|second|apart|along)(_(none|\d+(x\d+)*))*")
 
 
@@ -46,7 +46,7 @@ class Library(NamedTuple):
     cross: Callable[[Any, Any], Any]  # of vectors along the last axis
 
 
-def still(robot, arrays: Sequence, join: Callable[[list], Any]) -> Sequence:
+def without_given_torques(robot, arrays: Sequence, join: Callable[[list], Any]) -> Sequence:
     """With rows of tau that fold= gives times 0: a text has derivatives by them, though it does not read them."""
     rows = robot._facts["given"]["tau"]
     i = next((i for i, a in enumerate(robot.inputs) if a.role == "joint_torque"), -1) if rows else -1

@@ -34,7 +34,8 @@ def namespace(**given: Any):
     if kind == "JAX":
         given = {name: made.asarray(x) for name, x in given.items()}
     # JAX has float32 for float, unless jax_enable_x64 is on
-    return made, cross_of_numpy if made is numpy else made.cross, *alike(given, None, lambda x, word: x.astype(float if word == "float64" else word))
+    cross = cross_of_numpy if made is numpy else made.cross
+    return made, cross, *alike(given, None, lambda x, word: x.astype(float if word == "float64" else word))
 
 
 def alike(given: dict[str, Any], is_autocast, to) -> list:
