@@ -312,8 +312,8 @@ static const struct relayed {
 };
 enum { RELAYED_COUNT = sizeof RELAYED / sizeof *RELAYED, LONG_COUNT = 2 };
 
-/* The parts of the first kernel have their slices in shared memory, where a store to global memory, as RNEA_STORE is one, stops the
-   GPU with an error. The pretended GPU knows one memory. */
+/* The parts of the first kernel have their slices in shared memory, where a store to global memory, as RNEA_STORE is one, stops
+   the GPU with an error. The pretended GPU knows one memory. */
 static void check_slices(const char *text, int is_staged)
 {
 	const char *body = strstr(text, "_fd_start_part0_body("), *end = body ? strstr(body, "\n}\n") : NULL, *store;
