@@ -1,7 +1,7 @@
 /* Scenes of random trees with base parameters, seeds printed: what is given, freed, pushed and asked for, wrenches, twists,
    accelerations and energies among it, against the reference changed in the same way. It would catch a quantity of a link that is
-   read in the frame of the text, an inertia that has left a link whose own is an input or whose wrench is asked for, or a mass that
-   has left for what is held on the ground and counts in no potential there. */
+   read in the frame of the text, an inertia that has left a link whose own is an input or whose wrench is asked for, or a mass
+   that has left for what is held on the ground and counts in no potential there. */
 #include "support/suite.h"
 #include "support/task/task.h"
 #include <stdio.h>

@@ -85,8 +85,8 @@ class MuJoCo:
         native = self.native
         floating = [joint["name"] for joint in native.joints if joint["nq"] != joint["nv"]]
         if len(floating) > 1 or not native._facts["free_base"]:
-            raise ValueError("convention 'mujoco' has one joint that floats, in the world's own frame and ahead of all others, not "
-                             f"'{floating[-1]}'; take 'pinocchio'")
+            raise ValueError("convention 'mujoco' has one joint that floats, in the world's own frame and ahead of all others, "
+                             f"not '{floating[-1]}'; take 'pinocchio'")
         self.refuse_given()
         for array in (*native.inputs, *native.outputs):
             good = (*VECTORS, *MATRICES, *OTHERS, "joint_acceleration") if array.is_output else \
