@@ -183,10 +183,11 @@ static inline int dag_section_loops(const struct section *s)
 /* How many columns a loop goes over. */
 int dag_loop_columns(const struct dag *d, int loop);
 
-/* Let the loops before the last one leave so many rows of DAG_REDUCED for it. Is this loop such a last one? One before it? */
+/* Let the loops before the last one leave so many rows of DAG_REDUCED for it. How many these are; 0: all loops are alike. Is this
+   loop such a last one? */
 void dag_loops_reduce(struct dag *d, int rows);
+int dag_reduced_rows(const struct dag *d);
 int dag_loop_is_last(const struct dag *d, int loop);
-int dag_loop_reduces(const struct dag *d, int loop);
 
 /* Room for where so many rows of the outputs begin into which elements are put; NULL when memory runs out. */
 int *dag_loops_begin_rows(struct dag *d, int count);

@@ -44,14 +44,14 @@ void dag_loops_reduce(struct dag *d, int rows)
 		(struct argument){.name = "reduced", .rows = rows, .is_output = 1, .per_batch = 1, .role = ROLE_UNKNOWN, .of = ""};
 }
 
-int dag_loop_is_last(const struct dag *d, int loop)
+int dag_reduced_rows(const struct dag *d)
 {
-	return d->arguments[DAG_REDUCED].rows && loop == d->loop_count - 1;
+	return d->arguments[DAG_REDUCED].rows;
 }
 
-int dag_loop_reduces(const struct dag *d, int loop)
+int dag_loop_is_last(const struct dag *d, int loop)
 {
-	return d->arguments[DAG_REDUCED].rows && loop < d->loop_count - 1;
+	return dag_reduced_rows(d) && loop == d->loop_count - 1;
 }
 
 int *dag_loops_begin_rows(struct dag *d, int count)

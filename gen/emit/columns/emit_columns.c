@@ -83,7 +83,7 @@ static const char *what_text(const struct function *p, int loop, int is_row)
 {
 	if (dag_loop_is_last(&p->dag, loop))
 		return "d qdd of what another segment has left of a column, in its place";
-	if (dag_loop_reduces(&p->dag, loop))
+	if (dag_reduced_rows(&p->dag))
 		return "what a column that stands in the place of d qdd leaves for the last segment";
 	if (is_way(p, loop))
 		return is_row ? "coordinates side by side, from a link to the one before" : "a coordinate, from a link to the one before";
@@ -96,7 +96,7 @@ static const char *reduced_text(const struct emission *e, const struct function 
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (dag_loop_is_last(&p->dag, loop) || dag_loop_reduces(&p->dag, loop))
+	if (dag_reduced_rows(&p->dag))
 		text_printf(&t, ", %s%s *const reduced", dag_loop_is_last(&p->dag, loop) ? "const " : "", e->memory->type);
 	return text_string(&t);
 }

@@ -18,10 +18,10 @@ static const struct function *solve_of(const struct emission *e)
 	return &e->relay->solve.function;
 }
 
-/* Does a column go through the loop of its limb, and then through one of all columns? */
-static int is_halved(const struct emission *e)
+/* Of what a column's limb leaves for the loop of all columns; 0: there is none. */
+static int reduced_rows(const struct emission *e)
 {
-	return solve_of(e)->dag.arguments[DAG_REDUCED].rows > 0;
+	return dag_reduced_rows(&solve_of(e)->dag);
 }
 
 static int slots_of(const struct function *p)
@@ -89,27 +89,38 @@ void emit_relay_before(const struct emission *e, struct text *out)
 static void put_loop_call(const struct emission *e, int loop, const char *arguments, struct text *out)
 {
 	text_printf(out, "%s_%s_loop%d(%s%s);\n", e->options->name, solve_of(e)->algorithm->name, loop, arguments,
-		is_halved(e) ? ", reduced" : "");
+		reduced_rows(e) ? ", reduced" : "");
+}
+
+/* Around the call of a limb's loop: what it leaves, and the loop that takes it. */
+static void put_reduced(const struct emission *e, struct text *out)
+{
+	text_printf(out, "\t\t\t%s reduced[%d] = {0};\n\n", e->memory->type, reduced_rows(e));
+}
+
+static void put_expanding_call(const struct emission *e, const char *arguments, struct text *out)
+{
+	text_put(out, "\t\t\t");
+	put_loop_call(e, solve_of(e)->dag.loop_count - 1, arguments, out);
 }
 
 /* The body of a loop over these columns, with its braces where it has some. */
 static void put_column(const struct emission *e, const struct column_run *r, struct text *out)
 {
-	const struct dag *d = &solve_of(e)->dag;
+	int is_halved = reduced_rows(e) > 0;
 	struct text arguments;
 
 	text_init(&arguments, e->arena);
-	text_printf(&arguments, "%s + j*stride, stride, across, 1, 1", d->arguments[r->argument].name);
-	if (!is_halved(e)) {
-		text_put(out, "\n\t\t\t");
-		put_loop_call(e, r->loop, text_string(&arguments), out);
-		return;
-	}
-	text_printf(out, " {\n\t\t\t%s reduced[%d] = {0};\n\n\t\t\t", e->memory->type, d->arguments[DAG_REDUCED].rows);
-	put_loop_call(e, r->loop, text_string(&arguments), out);
+	text_printf(&arguments, "%s + j*stride, stride, across, 1, 1", solve_of(e)->dag.arguments[r->argument].name);
+	text_put(out, is_halved ? " {\n" : "\n");
+	if (is_halved)
+		put_reduced(e, out);
 	text_put(out, "\t\t\t");
-	put_loop_call(e, d->loop_count - 1, text_string(&arguments), out);
-	text_put(out, "\t\t}\n");
+	put_loop_call(e, r->loop, text_string(&arguments), out);
+	if (is_halved) {
+		put_expanding_call(e, text_string(&arguments), out);
+		text_put(out, "\t\t}\n");
+	}
 }
 
 void emit_relay_after(const struct emission *e, struct text *out)
@@ -169,7 +180,7 @@ static const char *halves_text(const struct emission *e)
 	int next = 0;
 
 	text_init(&t, e->arena);
-	text_printf(&t, "\t\t\t%s reduced[%d] = {0};\n\n", e->memory->type, d->arguments[DAG_REDUCED].rows);
+	put_reduced(e, &t);
 	for (const struct column_run *r = d->runs; r < d->runs + d->run_count; r = end) {
 		text_put(&t, next ? "\t\t\telse" : "\t\t\t");
 		end = end_of(d, r, &next);
@@ -178,8 +189,7 @@ static const char *halves_text(const struct emission *e)
 		text_put(&t, "\n\t\t\t\t");
 		put_loop_call(e, r->loop, KERNEL_ARGUMENTS, &t);
 	}
-	text_put(&t, "\t\t\t");
-	put_loop_call(e, d->loop_count - 1, KERNEL_ARGUMENTS, &t);
+	put_expanding_call(e, KERNEL_ARGUMENTS, &t);
 	return text_string(&t);
 }
 
@@ -213,7 +223,7 @@ static const char *loops_text(const struct emission *e)
 	int first = 0, next = 0;
 
 	text_init(&t, e->arena);
-	if (is_halved(e)) {
+	if (reduced_rows(e)) {
 		put_loop(e, d->runs, end, 0, relay_columns(e->relay), halves_text(e), &t);
 		return text_string(&t);
 	}
