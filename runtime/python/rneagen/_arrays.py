@@ -137,6 +137,16 @@ def arguments(robot, args: tuple, kwargs: dict[str, Any]) -> tuple[list[Any], An
     return [given.get(name) for name in names], given.get("out")
 
 
+def check_dtypes(given: Sequence[tuple[Array, Any]]) -> None:
+    """A TypeError that names the input, where arrays of one library are not all of float32 or all of float64."""
+    first, like = given[0]
+    for array, x in given:
+        if str(x.dtype).rpartition(".")[2] not in ("float32", "float64"):
+            raise TypeError(f"{array.name}: its dtype is {x.dtype}; float32 or float64 is wanted")
+        if x.dtype != like.dtype:
+            raise TypeError(f"{array.name}: its dtype is {x.dtype}, and that of {first.name} is {like.dtype}: all arrays have one")
+
+
 def lead_of(given: Iterable[tuple[Array, tuple[int, ...]]]) -> tuple[int, ...]:
     """The axes of samples, of inputs and their shapes; another shape is a ValueError."""
     lead: Any = None

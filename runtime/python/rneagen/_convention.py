@@ -133,13 +133,7 @@ class MuJoCo:
         given = [(a, x) for a, x in zip(self.native.inputs, arrays) if x is not None]
         if not given:
             return
-        first, like = given[0]
-        for array, x in given:
-            if str(x.dtype).rpartition(".")[2] not in ("float32", "float64"):
-                raise TypeError(f"{array.name}: its dtype is {x.dtype}; float32 or float64 is wanted")
-            if x.dtype != like.dtype:
-                raise TypeError(f"{array.name}: its dtype is {x.dtype}, and that of {first.name} is {like.dtype}: "
-                                "all arrays have one")
+        _arrays.check_dtypes(given)
         _arrays.lead_of((a, tuple(x.shape)) for a, x in given)
 
     def base(self, given: dict[str, Any]) -> Base | None:

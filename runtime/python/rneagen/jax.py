@@ -39,12 +39,8 @@ _jax_operator.register()
 def check(robot, arrays: Sequence) -> tuple[int, ...]:
     """The axes of samples; what is wrong is a ValueError or a TypeError that names the input."""
     given = [(a, x) for a, x in zip(robot.inputs, arrays) if x is not None]
+    _arrays.check_dtypes(given)
     first, like = given[0]
-    for a, x in given:
-        if x.dtype not in _jax_operator.SCALARS:
-            raise TypeError(f"{a.name}: its dtype is {x.dtype}; float32 or float64 is wanted")
-        if x.dtype != like.dtype:
-            raise TypeError(f"{a.name}: its dtype is {x.dtype}, and that of {first.name} is {like.dtype}: all arrays have one")
     scalar = _jax_operator.SCALARS[like.dtype]
     if robot.scalar == "f64" and scalar == "f32" and not jax.config.jax_enable_x64:
         raise TypeError(f"{first.name}: its dtype is float32, and precision {robot._options['precision']!r} takes float64, "
