@@ -159,7 +159,8 @@ static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const dou
 #endif
 
 /* limbs or coordinates side by side: vectors of two numbers, where a compiler has them */
-#if defined __GNUC__ && defined __SSE2__ && !defined RNEA_NO_LANES && !defined __CUDACC__ && !defined __NVCOMPILER
+#if defined __GNUC__ && (defined __SSE2__ || defined __aarch64__) && !defined RNEA_NO_LANES && \
+	!defined __CUDACC__ && !defined __NVCOMPILER
 #undef rneagen_lanes
 #undef RNEA_LANES
 #undef RNEA_SPLAT
@@ -175,6 +176,11 @@ typedef double rneagen_lanes __attribute__((vector_size(2*sizeof(double))));
 #define RNEA_LANES_FMA(a, b, c) __builtin_ia32_vfmaddpd(a, b, c)
 #endif
 #endif
+#endif
+#if defined RNEA_LANES && defined __aarch64__ && !defined __clang__ /* gcc, which joins nothing by itself with -std=c11 */
+#include <arm_neon.h>
+#undef RNEA_LANES_FMA
+#define RNEA_LANES_FMA(a, b, c) vfmaq_f64(c, a, b)
 #endif
 /* Segment 0 of 6, for several samples in a row. Value s that it leaves for a later one is at across[s*step]. */
 static RNEA_INLINE int atlas_rnea_segment0(const double *first_q, const double *first_qd, const double *first_qdd,

@@ -146,7 +146,8 @@ static RNEA_INLINE int rneagen_sincos_known(double x, const int known, const dou
 #endif
 
 /* limbs or coordinates side by side: vectors of four numbers, where a compiler has them */
-#if defined __GNUC__ && defined __SSE2__ && !defined RNEA_NO_LANES && !defined __CUDACC__ && !defined __NVCOMPILER
+#if defined __GNUC__ && (defined __SSE2__ || defined __aarch64__ && !defined __STRICT_ANSI__) && !defined RNEA_NO_LANES && \
+	!defined __CUDACC__ && !defined __NVCOMPILER
 #undef rneagen_lanes
 #undef RNEA_LANES
 #undef RNEA_SPLAT

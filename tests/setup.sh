@@ -16,6 +16,9 @@ setup_list() {
 		build check pkg-config --exists check
 		tests clang command -v clang
 		tests libclang-rt-dev setup_clang_runtime
+		tests gcc-aarch64-linux-gnu command -v aarch64-linux-gnu-gcc
+		tests libc6-dev-arm64-cross test -e /usr/aarch64-linux-gnu/include/stdio.h
+		tests qemu-user command -v qemu-aarch64
 		tests libmpfr-dev pkg-config --exists mpfr
 		tests graphviz command -v dot
 		tests gnuplot-nox command -v gnuplot

@@ -221,7 +221,9 @@ static void put_function_of(const struct emission *e, const struct function *p, 
 
 /* Without AVX four doubles are two vectors. Zen 5, one call over that without lanes, by operations in lanes: torques on the
    ground, hyq, 168, 1.12, go1, 157, 1.20; qdd, 225 and 201, 1.05 and 1.07; torques of a floating go1, 370, 0.88; gradients of
-   hyq, 520, 0.47. */
+   hyq, 520, 0.47.
+   Models of processors of ARM take 0.6 to 0.9, but older ones 1.3 where four doubles are not joined to sums, as by gcc with
+   -std=c11 (tests/bench/lanes/arm). */
 enum { LEAST_WITHOUT_AVX = 300 };
 
 static const char *lanes_need(const struct emission *e)
@@ -235,13 +237,16 @@ static const char *lanes_need(const struct emission *e)
 /* Vectors of 16 bytes at least: two floats fill one twice. A header's are C++ too. */
 static void put_lanes(const struct emission *e, struct text *out)
 {
-	int is_f32 = e->arithmetic->bytes == 4, is_two = emit_main(e)->beside->dag.width == 2;
+	int is_f32 = e->arithmetic->bytes == 4, is_two = emit_main(e)->beside->dag.width == 2, are_16_bytes = is_f32 || is_two;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->arithmetic->type}, {"WIDTH", is_two ? "two" : "four"},
 		{"ROOM", is_two && !is_f32 ? "2" : "4"}, {"EACH", is_two ? "a, b" : "a, b, c, d"},
 		{"FILLED", !is_two ? "a, b, c, d" : is_f32 ? "a, b, a, b" : "a, b"}, {"SAME", is_two ? "a, a" : "a, a, a, a"},
-		{"NEEDS", lanes_need(e)}, {"SUFFIX", is_f32 ? "ps" : is_two ? "pd" : "pd256"}};
+		{"NEEDS", lanes_need(e)}, {"ARM", are_16_bytes ? "defined __aarch64__" : "defined __aarch64__ && !defined __STRICT_ANSI__"},
+		{"SUFFIX", is_f32 ? "ps" : is_two ? "pd" : "pd256"}};
 
 	template_expand(out, template_lanes_in, slots, sizeof slots / sizeof *slots);
+	if (are_16_bytes)
+		template_expand(out, template_lanes_neon_in, (struct slot[]){{"SUFFIX", is_f32 ? "f32" : "f64"}}, 1);
 	if (e->target->is_header)
 		template_expand(out, template_header_lanes_in, slots, sizeof slots / sizeof *slots);
 }
