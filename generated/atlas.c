@@ -177,7 +177,7 @@ typedef double rneagen_lanes __attribute__((vector_size(2*sizeof(double))));
 #endif
 #endif
 #endif
-#if defined RNEA_LANES && defined __aarch64__ && !defined __clang__ /* gcc, which joins nothing by itself with -std=c11 */
+#if defined RNEA_LANES && defined __aarch64__ && !defined __clang__ /* gcc with -std=c11 joins nothing by itself */
 #include <arm_neon.h>
 #undef RNEA_LANES_FMA
 #define RNEA_LANES_FMA(a, b, c) vfmaq_f64(c, a, b)
