@@ -49,7 +49,8 @@ static int is_exact(const char *s, real near)
 	return behind == 0 && (uint64_t)(real)whole == whole;
 }
 
-struct within number_parse(const char *s, char **end)
+/* The decimal that `s` begins with; *end stands behind it, as strtod has it. */
+static struct within parse(const char *s, char **end)
 {
 	real x = (real)strtod(s, NULL), near = strtold(s, end);
 
@@ -64,7 +65,7 @@ static enum number_fault read_one(const char **s, struct within *value)
 	/* strtod would take hexadecimal, inf and nan */
 	if ((!isdigit((unsigned char)*digits) && *digits != '.') || (digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X')))
 		return NUMBER_WORD;
-	*value = number_parse(*s, &end);
+	*value = parse(*s, &end);
 	if (end == *s)
 		return NUMBER_WORD;
 	*s = end;

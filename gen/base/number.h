@@ -11,9 +11,6 @@ enum number_fault { NUMBER_FINE, NUMBER_WORD, NUMBER_LARGE, NUMBER_BLANK };
 /* Reads exactly `count` numbers that make up all of `s`. Call in the C locale. */
 enum number_fault number_read(const char *s, struct within *values, int count);
 
-/* The decimal that `s` begins with; *end stands behind it, as strtod has it. */
-struct within number_parse(const char *s, char **end);
-
 /* The decimal with the fewest digits that reads back as the same number: "0.1", "1e-05", "3e+02". Call in the C locale. */
 struct number_text {
 	char s[32];

@@ -193,7 +193,7 @@ static void leave(const struct tour *r, int index)
 /* Gravity alone. With every body at rest a, the acceleration less gravity, is one and the same vector, seen from each
    frame: the wrench through a joint is f = M a, n = C x a, where M is the mass beyond it and C = sum of m c its first
    moment about the body's origin. So masses and moments come back instead of forces and moments. */
-void at_rest_enter(const struct tour *r, int body)
+static void at_rest_enter(const struct tour *r, int body)
 {
 	struct dag *d = r->d;
 	const struct body *k = &r->t->bodies[body];
@@ -216,7 +216,7 @@ struct svec at_rest_moment(struct dag *d, const struct frame *x)
 }
 
 /* M_p += M, C_p += R C + M p; the terms M p are constants where joints turn, and are summed by themselves */
-void at_rest_leave(const struct tour *r, int body)
+static void at_rest_leave(const struct tour *r, int body)
 {
 	struct dag *d = r->d;
 	const struct body *k = &r->t->bodies[body];

@@ -52,10 +52,8 @@ struct svec tour_acceleration(const struct tour *r, int body, struct svec from);
 /* How fast a body's origin goes in its parent's frame, p' = w_p x p + R V0; for a body that has been entered. */
 struct svec tour_origin_rate(const struct tour *r, int body);
 
-/* Going out to a body, and back from it, where nothing moves. */
-void at_rest_enter(const struct tour *r, int body);
-void at_rest_leave(const struct tour *r, int body);
-struct svec at_rest_moment(struct dag *d, const struct frame *x); /* C */
+/* C of a body's frame, where nothing moves. */
+struct svec at_rest_moment(struct dag *d, const struct frame *x);
 
 /* Adds rotor inertia and friction to the torques of a body's joint, as the request says. */
 void own_terms(const struct tour *r, int body, struct ref *tau);

@@ -146,7 +146,7 @@ static void output_scalars(const struct build *b, const struct tour *r)
 }
 
 /* A complete column is solved at once, before others wait beside it. */
-void want_left(const struct tour *r, int body)
+static void want_left(const struct tour *r, int body)
 {
 	struct build *b = r->context;
 

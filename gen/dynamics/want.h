@@ -70,7 +70,6 @@ void want_pull(const struct tour *r, int body);
 void want_world(const struct tour *r);
 void want_entered(const struct tour *r, int body);
 void want_leaving(const struct tour *r, int body);
-void want_left(const struct tour *r, int body);
 
 /* Products of derivatives, want by want: of the torques alone, or of the qdd found alone, when these are made; all others when
    all outputs are. d->failed and d->constant are set where an output does not vary. */

@@ -136,6 +136,16 @@ static const char *operations_text(const struct emission *e, const struct dag *d
 	return text_string(&t);
 }
 
+/* How far what the type takes from a constant is from what the file's decimals give; not less when rounded. */
+static real lost_of(const struct emission *e, const struct dag *d, const struct node *n)
+{
+	const struct scalar *s = e->arithmetic;
+	struct within c = dag_number(d, n);
+	real lost = fabsl(s->round(c.x) - c.x) + (real)within_error(c);
+
+	return lost > 0 ? lost * (1 + 1e-6L) + (real)s->tiny : 0;
+}
+
 /* As the text has them, and how far that is from what the file's decimals give; not less when rounded. */
 static const char *constants_text(const struct emission *e, const struct dag *d)
 {
@@ -150,7 +160,7 @@ static const char *constants_text(const struct emission *e, const struct dag *d)
 		text_put(&t, "\t\t{");
 		emit_number(e, &SCALAR_F64, e->arithmetic->round(dag_number(d, n).x), &t);
 		text_put(&t, ", ");
-		emit_number(e, &SCALAR_F64, emit_lost(e, d, n), &t);
+		emit_number(e, &SCALAR_F64, lost_of(e, d, n), &t);
 		text_put(&t, "},\n");
 	}
 	return text_string(&t);
@@ -296,15 +306,6 @@ void emit_bounded(const struct emission *e, struct text *out)
 static const char *const CALLS_F32[OP_COUNT] = WITHIN_CALLS("rneagen_withinf_"),
 			 *const CALLS_F64[OP_COUNT] = WITHIN_CALLS("rneagen_within_");
 
-real emit_lost(const struct emission *e, const struct dag *d, const struct node *n)
-{
-	const struct scalar *s = e->arithmetic;
-	struct within c = dag_number(d, n);
-	real lost = fabsl(s->round(c.x) - c.x) + (real)within_error(c);
-
-	return lost > 0 ? lost * (1 + 1e-6L) + (real)s->tiny : 0;
-}
-
 static void put_constant(const struct unparser *u, const struct node *n, struct text *out)
 {
 	const struct scalar *s = u->emission->arithmetic;
@@ -312,7 +313,7 @@ static void put_constant(const struct unparser *u, const struct node *n, struct 
 	text_printf(out, "rneagen_within%s_const(", s->suffix);
 	emit_number(u->emission, s, dag_number(u->plan->dag, n).x, out);
 	text_put(out, ", ");
-	emit_number(u->emission, s, emit_lost(u->emission, u->plan->dag, n), out);
+	emit_number(u->emission, s, lost_of(u->emission, u->plan->dag, n), out);
 	text_putc(out, ')');
 }
 

@@ -67,9 +67,6 @@ int unparse_first_bound(const struct dag *d, int argument);
 /* A comment that says which part of the algorithm begins, and how it goes where it is the first of its kind. */
 void unparse_section(struct unparser *u, const struct section *s, struct text *out);
 
-/* What the type takes from a constant, and how far that is from what the file's decimals give; not less when rounded. */
-real emit_lost(const struct emission *e, const struct dag *d, const struct node *n);
-
 /* Lanes made of numbers, or one of them: OP_PAIR and what follows it. */
 void emit_put_lanes(const struct unparser *u, const struct node *n, struct text *out);
 

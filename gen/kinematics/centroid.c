@@ -158,14 +158,15 @@ void centroid_leave(struct centroid *c, int body)
 
 /* ---- at the hub ---- */
 
-struct svec centroid_to_world(const struct kinematics *x, struct svec u)
+/* From the hub's axes. */
+static struct svec to_world(const struct kinematics *x, struct svec u)
 {
 	return x->hub < 0 ? u : smat_mul(x->d, &x->bodies[x->hub].R, u);
 }
 
 struct svec centroid_from_first(const struct kinematics *x)
 {
-	struct svec r = centroid_to_world(x, x->com);
+	struct svec r = to_world(x, x->com);
 
 	return x->hub < 0 ? r : svec_add(x->d, x->bodies[x->hub].p, r);
 }
@@ -176,7 +177,7 @@ static struct svec with_hub(const struct centroid *c, struct svec P, struct svec
 	const struct kinematics *x = c->x;
 	struct dag *d = x->d;
 
-	P = centroid_to_world(x, svec_add(d, P, svec_scale(d, c->mass, V)));
+	P = to_world(x, svec_add(d, P, svec_scale(d, c->mass, V)));
 	return x->hub < 0 ? P : svec_add(d, smat_mul(d, &x->bodies[x->hub].A, svec_scale(d, c->mass, V0)), P);
 }
 
@@ -187,8 +188,8 @@ void kinematics_momentum_rate(const struct kinematics *x, struct svec f, struct 
 	int argument = centroid_output(x, WANT_DMOMENTUM);
 
 	dag_section(d, SECTION_CENTROID, 0);
-	output(x, argument, 0, svec_add(d, centroid_to_world(x, f), svec_scale(d, x->mass, g)));
-	output(x, argument, 3, centroid_to_world(x, svec_sub(d, n, svec_cross(d, x->com, f))));
+	output(x, argument, 0, svec_add(d, to_world(x, f), svec_scale(d, x->mass, g)));
+	output(x, argument, 3, to_world(x, svec_sub(d, n, svec_cross(d, x->com, f))));
 }
 
 static void output_rate(const struct centroid *c, const struct load *all, const struct joint_rates *hub)
@@ -199,7 +200,7 @@ static void output_rate(const struct centroid *c, const struct load *all, const 
 	if (x->gives_rate)
 		return;
 	output(x, centroid_output(x, WANT_DMOMENTUM), 0, with_hub(c, all->F, hub->dV0, hub->dV));
-	output(x, centroid_output(x, WANT_DMOMENTUM), 3, centroid_to_world(x, n));
+	output(x, centroid_output(x, WANT_DMOMENTUM), 3, to_world(x, n));
 }
 
 static void output_momentum(const struct centroid *c, const struct load *all, const struct joint_rates *hub)
@@ -207,7 +208,7 @@ static void output_momentum(const struct centroid *c, const struct load *all, co
 	const struct kinematics *x = c->x;
 	struct dag *d = x->d;
 	struct svec l = with_hub(c, all->P, hub->V0, hub->V),
-		    k = centroid_to_world(x, svec_sub(d, all->K, svec_cross(d, x->com, all->P)));
+		    k = to_world(x, svec_sub(d, all->K, svec_cross(d, x->com, all->P)));
 
 	if (c->has_matrix) {
 		l = c->times_qd.linear;

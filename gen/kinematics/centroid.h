@@ -45,8 +45,7 @@ int centroid_output(const struct kinematics *x, enum want_kind kind);
 /* A body's own parameters. Returns 1 where these are numbers, *I. */
 int centroid_own(const struct centroid *c, int body, struct inertia *I, struct parameters *p);
 
-/* From the hub's axes into the world's; the centre of mass, as struct placed has p of the hub. */
-struct svec centroid_to_world(const struct kinematics *x, struct svec u);
+/* The centre of mass, as struct placed has p of the hub. */
 struct svec centroid_from_first(const struct kinematics *x);
 
 /* ---- columns ---- */

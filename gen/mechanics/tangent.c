@@ -18,7 +18,8 @@ static void rates_floating(struct dag *d, const struct body *k, struct joint_inp
 	rates[6] = dag_neg(d, dag_mul(d, half, svec_dot(d, u, w)));
 }
 
-void tangent_rates(struct dag *d, const struct body *k, struct joint_inputs in, const struct ref *v, struct ref *rates)
+/* The rates of a body's joint_nq rows of q for `v`, its joint_nv rows of the tangent. */
+static void body_rates(struct dag *d, const struct body *k, struct joint_inputs in, const struct ref *v, struct ref *rates)
 {
 	if (k->type == JOINT_FLOATING)
 		rates_floating(d, k, in, (struct svec){{v[0], v[1], v[2]}}, (struct svec){{v[3], v[4], v[5]}}, rates);
@@ -29,7 +30,7 @@ void tangent_rates(struct dag *d, const struct body *k, struct joint_inputs in, 
 void tangent_all(struct dag *d, const struct tree *t, struct joint_inputs in, const struct ref *v, struct ref *rates)
 {
 	for (int b = 0; b < t->body_count; b++)
-		tangent_rates(d, &t->bodies[b], in, v + t->bodies[b].iv, rates + t->bodies[b].iq);
+		body_rates(d, &t->bodies[b], in, v + t->bodies[b].iv, rates + t->bodies[b].iq);
 }
 
 struct ref tangent_transposed(struct dag *d, const struct tree *t, struct joint_inputs in, const struct ref *by_q, int row)
@@ -38,7 +39,7 @@ struct ref tangent_transposed(struct dag *d, const struct tree *t, struct joint_
 	struct ref unit[6] = {{0}}, rates[7] = {{0}}, sum = {0};
 
 	unit[row - k->iv] = dag_const(d, 1);
-	tangent_rates(d, k, in, unit, rates);
+	body_rates(d, k, in, unit, rates);
 	for (int i = 0; i < joint_nq(k->type); i++)
 		sum = dag_add(d, sum, dag_mul(d, by_q[k->iq + i], rates[i]));
 	return sum;

@@ -5,9 +5,6 @@
 
 #include "mechanics/joint.h"
 
-/* The rates of a body's joint_nq rows of q for `v`, its joint_nv rows of the tangent. */
-void tangent_rates(struct dag *d, const struct body *k, struct joint_inputs in, const struct ref *v, struct ref *rates);
-
 /* All rows of q, t->nq of them, for t->nv rows `v`. */
 void tangent_all(struct dag *d, const struct tree *t, struct joint_inputs in, const struct ref *v, struct ref *rates);
 

@@ -51,7 +51,8 @@ static int is_product(const struct dag *d, uint32_t i)
 		!is_trig(d, n->arg[1].i);
 }
 
-int norms_form_is_rotated(const struct dag *d, uint32_t i)
+/* Is it c x + s y, the sine and cosine those of one angle? */
+static int is_rotated(const struct dag *d, uint32_t i)
 {
 	const struct node *n = &d->nodes[i];
 	struct trig_term a, b;
@@ -65,7 +66,7 @@ static int is_open(const struct forming *f, uint32_t i, int is_root)
 {
 	const struct node *n = &f->d->nodes[i];
 
-	if ((n->op != OP_ADD && n->op != OP_SUB) || norms_form_is_rotated(f->d, i))
+	if ((n->op != OP_ADD && n->op != OP_SUB) || is_rotated(f->d, i))
 		return 0;
 	return is_root || f->uses[i] < 2 || is_product(f->d, n->arg[0].i) || is_product(f->d, n->arg[1].i);
 }
@@ -333,7 +334,7 @@ static int find_terms(struct forming *f, const uint32_t *nodes)
 	int changes = 0;
 
 	for (int i = 0; i < f->row_count; i++) {
-		if (norms_form_is_rotated(f->d, nodes[i]))
+		if (is_rotated(f->d, nodes[i]))
 			return 0;
 		expand(f, &f->rows[i], nodes[i], 1, 0, 1);
 		if (f->rows[i].failed || f->rows[i].count == 0)

@@ -19,7 +19,4 @@ const struct norms_form *norms_form_find(const struct dag *d, const uint32_t *us
 double norms_form_bound(const struct norms_form *f, double x, double u, double v);
 void norms_form_lanes(const struct norms_form *f, size_t n, const double *x, double *norm);
 
-/* Is it c x + s y, the sine and cosine those of one angle? */
-int norms_form_is_rotated(const struct dag *d, uint32_t i);
-
 #endif

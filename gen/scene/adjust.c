@@ -75,7 +75,7 @@ int adjust_matters(const struct adjust *x, const struct scene *s, int line)
 
 /* ---- angles ---- */
 
-double adjust_off(struct within angle)
+static double off_of(struct within angle)
 {
 	real quarter = RIGHT * roundl(angle.x / RIGHT), off = fabsl(angle.x - quarter);
 	struct within s, c;
@@ -89,7 +89,7 @@ double adjust_off_rpy(const struct within rpy[3], double tolerance)
 	double largest = 0;
 
 	for (int i = 0; i < 3; i++) {
-		double off = adjust_off(rpy[i]);
+		double off = off_of(rpy[i]);
 
 		if (off <= tolerance)
 			largest = fmax(largest, off);
@@ -100,7 +100,7 @@ double adjust_off_rpy(const struct within rpy[3], double tolerance)
 static void snap(struct within rpy[3], double tolerance)
 {
 	for (int i = 0; i < 3; i++)
-		if (adjust_off(rpy[i]) <= tolerance)
+		if (off_of(rpy[i]) <= tolerance)
 			rpy[i] = within_exact((real)(double)(RIGHT * roundl(rpy[i].x / RIGHT)));
 }
 

@@ -22,10 +22,8 @@ enum rneagen_code adjust_read(struct adjust *x, const struct scene *s, struct ar
 /* Is any constant changed, or term left out? */
 int adjust_is_asked(const struct adjust *x);
 
-/* How far an angle is from the nearest multiple of pi/2; 0 where it counts as one in any case. */
-double adjust_off(struct within angle);
-
-/* The largest adjust_off of three angles that is at most `tolerance`; 0 if there is none. */
+/* How far an angle is from the nearest multiple of pi/2, 0 where it counts as one in any case: the largest of the three that is
+   at most `tolerance`; 0 if there is none. */
 double adjust_off_rpy(const struct within rpy[3], double tolerance);
 
 /* A copy of the robot whose angles within the tolerance of a multiple of pi/2 are that multiple; a->failed is set where

@@ -229,7 +229,8 @@ void kin_matrix_free(struct kin_matrix *m)
 	free(m->size);
 }
 
-int kin_argument(const struct kin_case *c, const struct want *w)
+/* The argument of the DAG that a want is stored in. */
+static int argument_of(const struct kin_case *c, const struct want *w)
 {
 	const struct dag *d = &c->analysis.dag;
 
@@ -243,7 +244,7 @@ int kin_argument(const struct kin_case *c, const struct want *w)
 struct kin_matrix kin_found(struct kin_case *c, const struct want *w, wide *const *out)
 {
 	const struct request *k = &c->analysis.request;
-	int a = kin_argument(c, w), rows = c->analysis.dag.arguments[a].rows;
+	int a = argument_of(c, w), rows = c->analysis.dag.arguments[a].rows;
 	struct kin_matrix m;
 	struct pattern p;
 
@@ -283,7 +284,7 @@ static void turn_sign(struct kin_matrix *m, const struct kin_matrix *to)
 		m->x[i] = -m->x[i];
 }
 
-void kin_compare_want(struct kin_case *c, const struct want *w, wide *const *out, double noise)
+static void compare_want(struct kin_case *c, const struct want *w, wide *const *out, double noise)
 {
 	struct kin_matrix found = kin_found(c, w, out), want = kin_expected(c, w);
 	wide largest = 0;
@@ -319,7 +320,7 @@ int kin_compare(struct kin_case *c, double noise)
 
 		kin_matrix_free(&want);
 		if (is_known)
-			kin_compare_want(c, &k->wants[i], c->out, noise);
+			compare_want(c, &k->wants[i], c->out, noise);
 		count += is_known ? 1 : kin_check(c, &k->wants[i], c->out, noise);
 	}
 	return count;

@@ -80,12 +80,6 @@ int kin_check(struct kin_case *c, const struct want *w, wide *const *out, double
    were compared. */
 int kin_compare(struct kin_case *c, double noise);
 
-/* One of them, in the values that a text or another precision gave. */
-void kin_compare_want(struct kin_case *c, const struct want *w, wide *const *out, double noise);
-
-/* The argument of the DAG that a want is stored in. */
-int kin_argument(const struct kin_case *c, const struct want *w);
-
 /* The frame of the request; which frame a word names. */
 enum reference_axes kin_axes(const struct kin_case *c);
 struct reference_frame kin_frame(const struct kin_case *c, const char *word);

@@ -41,7 +41,7 @@ void put_array(int version, const char *dictionary, const void *data, size_t len
 	put_file(bytes, n + length);
 }
 
-void assert_open(struct npy *n)
+static void assert_open(struct npy *n)
 {
 	struct rneagen_error e = {0};
 

@@ -20,9 +20,6 @@ size_t put_header(char *to, int version, const char *dictionary);
 /* Write the file: this dictionary and `length` bytes of data. */
 void put_array(int version, const char *dictionary, const void *data, size_t length);
 
-/* Open it, which must succeed. */
-void assert_open(struct npy *n);
-
 /* Hostile files, and random damage to a good one. */
 TCase *case_bad(void);
 

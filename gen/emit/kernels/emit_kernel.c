@@ -155,7 +155,7 @@ static void put_work(const struct emission *e, const struct work *w, struct text
 		sizeof slots / sizeof *slots);
 }
 
-void emit_kernel(const struct emission *e, const struct function *p, struct text *out)
+static void put_kernel(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct work w = {p, NULL, emit_is_staged(e) && p == emit_main(e), NULL};
 
@@ -263,7 +263,7 @@ static void put_function_of(const struct emission *e, const struct function *p, 
 	if (p->segments.count)
 		emit_segments_kernel(e, p, out);
 	else
-		emit_kernel(e, p, out);
+		put_kernel(e, p, out);
 }
 
 void emit_kernels(const struct emission *e, struct text *out)

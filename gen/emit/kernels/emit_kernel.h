@@ -4,9 +4,7 @@
 
 #include "emit/emit.h"
 
-/* The kernel NAME_PASS_kernel. Where it may spill to shared memory, the line that says so. Kernels whose outputs leave through
-   windows, and these. */
-void emit_kernel(const struct emission *e, const struct function *p, struct text *out);
+/* Where a kernel may spill to shared memory, the line that says so. Kernels whose outputs leave through windows, and these. */
 const char *emit_spill(const struct emission *e);
 void emit_windowed(const struct emission *e, const struct function *p, struct text *out);
 void emit_put_windows(const struct emission *e, struct text *out);

@@ -1,7 +1,8 @@
 #include "plan/limbs/deal.h"
 #include <string.h>
 
-int deal_is_work(const struct dealer *x, uint32_t line)
+/* Is it a line that makes or stores something? Inputs are read wherever they are taken. */
+static int is_work(const struct dealer *x, uint32_t line)
 {
 	enum line_kind kind = x->p->lines[line].kind;
 
@@ -117,7 +118,7 @@ static void find_cones(struct dealer *x, unsigned most)
 
 static int is_ready(const struct dealer *x, uint32_t line, unsigned most, int only_sines)
 {
-	return !x->made[line] && deal_is_work(x, line) && x->cone[line] <= most &&
+	return !x->made[line] && is_work(x, line) && x->cone[line] <= most &&
 		(!only_sines || x->p->lines[line].kind == LINE_SINCOS);
 }
 
@@ -177,7 +178,7 @@ static uint32_t lines_left(const struct dealer *x)
 	uint32_t left = 0;
 
 	for (uint32_t i = 0; i < x->lines; i++)
-		left += deal_is_work(x, i) && !x->made[i];
+		left += is_work(x, i) && !x->made[i];
 	return left;
 }
 

@@ -50,9 +50,6 @@ int deal_begin(struct dealer *x);
 /* Deal out. Returns the operations of the longest warp, TOO_MUCH where the phases do not suffice or `enough` is reached. */
 unsigned deal_run(struct dealer *x, const struct deal *deal, unsigned enough);
 
-/* Is it a line that makes or stores something? Inputs are read wherever they are taken. */
-int deal_is_work(const struct dealer *x, uint32_t line);
-
 /* 1 + the phase in which a warp makes a line; 0: it does not. */
 static inline unsigned char deal_did(const struct dealer *x, int warp, uint32_t line)
 {

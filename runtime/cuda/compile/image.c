@@ -167,7 +167,7 @@ int image_get(const struct cache *c, const char *key, size_t length, struct imag
 	return 0;
 }
 
-void image_put(const struct cache *c, const char *key, size_t length, const struct image *i, struct cache_why *why)
+static void put(const struct cache *c, const char *key, size_t length, const struct image *i, struct cache_why *why)
 {
 	char head[128];
 	size_t n =
@@ -188,7 +188,7 @@ void image_keep(const struct image_request *r, const char *key, size_t length, c
 	char *now = key ? image_key(r, &n) : NULL;
 
 	if (now && n == length && memcmp(now, key, n) == 0)
-		image_put(r->cache, key, length, i, r->unkept);
+		put(r->cache, key, length, i, r->unkept);
 	free(now);
 }
 

@@ -51,7 +51,6 @@ char *image_key(const struct image_request *r, size_t *length);
 
 /* The image that was kept under a key, which may be NULL: 1, or 0 and *i empty. */
 int image_get(const struct cache *c, const char *key, size_t length, struct image *i);
-void image_put(const struct cache *c, const char *key, size_t length, const struct image *i, struct cache_why *why);
 
 /* The same, unless another NVRTC than the one that `key` tells of turns out to have made the image. */
 void image_keep(const struct image_request *r, const char *key, size_t length, const struct image *i);

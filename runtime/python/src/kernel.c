@@ -2,7 +2,7 @@
 #include "module.h"
 #include <string.h>
 
-PyObject *exception_of(enum rnea_code code)
+static PyObject *exception_of(enum rnea_code code)
 {
 	if (code == RNEA_MEMORY)
 		return PyExc_MemoryError;

@@ -22,8 +22,6 @@ int options_take_open(PyObject *dict, struct rnea_options *o);
    returns NULL. */
 PyObject *raise_generator(const struct rneagen_error *e);
 PyObject *raise_runtime(const struct rnea_error *e);
-/* The kind of exception for a code of the runtime. */
-PyObject *exception_of(enum rnea_code code);
 
 /* An opened text. */
 struct kernel {

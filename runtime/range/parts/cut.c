@@ -245,7 +245,8 @@ int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fie
 	return a->failed ? -1 : count;
 }
 
-int cut_has(const struct cut *cuts, int count, int output)
+/* Is an output, by its number in what was cut, of a limb? */
+static int is_of_limb(const struct cut *cuts, int count, int output)
 {
 	for (int i = 0; i < count; i++)
 		for (size_t k = 0; k < cuts[i].relaxed.view.dag.output_count; k++)
@@ -289,7 +290,7 @@ int cut_rest(struct cut *rest, const struct relaxed *r, const struct field *fiel
 		for (int o = 0; o < fields[k].output_count && fields[k].dim_count >= from; o++) {
 			int output = fields[k].outputs[o];
 
-			if (!cut_has(cuts, cut_count, output) && is_closed(&s, (size_t)output, cuts, cut_count))
+			if (!is_of_limb(cuts, cut_count, output) && is_closed(&s, (size_t)output, cuts, cut_count))
 				s.body[output] = 0;
 			some += s.body[output] == 0;
 		}

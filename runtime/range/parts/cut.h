@@ -30,9 +30,6 @@ int cut_make(struct cut **cuts, const struct relaxed *r, const struct field *fie
 int cut_differs(const struct relaxed *r, const struct field *fields, int field_count, int from, int dims, int others,
 	struct arena *a);
 
-/* Is an output, by its number in what was cut, of a limb? */
-int cut_has(const struct cut *cuts, int count, int output);
-
 /* Are torques cut off, or loads alone? */
 int cut_has_torques(const struct cut *cuts, int count);
 

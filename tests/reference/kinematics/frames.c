@@ -12,7 +12,7 @@ struct reference_pose reference_shift(wide x, wide y, wide z)
 	return (struct reference_pose){{{1, 0, 0, x}, {0, 1, 0, y}, {0, 0, 1, z}, {0, 0, 0, 1}}};
 }
 
-struct reference_pose reference_compose(struct reference_pose a, struct reference_pose b)
+static struct reference_pose compose(struct reference_pose a, struct reference_pose b)
 {
 	struct reference_pose c = {0};
 
@@ -34,7 +34,7 @@ static struct reference_pose turned(struct d3_mat r)
 
 struct reference_pose reference_origin(const wide xyz[3], const wide rpy[3])
 {
-	return reference_compose(reference_shift(xyz[0], xyz[1], xyz[2]), turned(d3_rpy(rpy)));
+	return compose(reference_shift(xyz[0], xyz[1], xyz[2]), turned(d3_rpy(rpy)));
 }
 
 struct reference_frame reference_frame_named(const struct reference *r, const char *name)
@@ -78,9 +78,9 @@ static struct reference_pose joint_pose(const struct reference_joint *j, const s
 	case REFERENCE_PRISMATIC:
 		return reference_shift(q[0] * n[0], q[0] * n[1], q[0] * n[2]);
 	case REFERENCE_FLOATING:
-		return reference_compose(reference_shift(q[0], q[1], q[2]), turned(d3_quaternion(q + 3)));
+		return compose(reference_shift(q[0], q[1], q[2]), turned(d3_quaternion(q + 3)));
 	case REFERENCE_PLANAR:
-		return reference_compose(reference_shift(q[0] * x[0] + q[1] * y[0], q[0] * x[1] + q[1] * y[1],
+		return compose(reference_shift(q[0] * x[0] + q[1] * y[0], q[0] * x[1] + q[1] * y[1],
 			q[0] * x[2] + q[1] * y[2]),
 		                         turned(d3_about(l->axis, wide_sin(q[2]), wide_cos(q[2]))));
 	case REFERENCE_FIXED:
@@ -100,8 +100,8 @@ static void all_poses(const struct reference *r, const wide *q, struct reference
 			own[k] = j->multiplier * q[d->iq + k] + j->offset;
 		joints[i] = placed(&r->links[i].tree);
 		if (i)
-			joints[i] = reference_compose(links[j->parent], joints[i]);
-		links[i] = reference_compose(joints[i], joint_pose(j, &r->links[i], own));
+			joints[i] = compose(links[j->parent], joints[i]);
+		links[i] = compose(joints[i], joint_pose(j, &r->links[i], own));
 	}
 }
 
@@ -118,7 +118,7 @@ struct reference_pose reference_pose(const struct reference *r, const struct ref
 	struct reference_pose *links = raw_memory(NULL, (size_t)r->nj, sizeof *links), out;
 
 	reference_poses(r, q, links);
-	out = reference_compose(links[f->entry], f->at);
+	out = compose(links[f->entry], f->at);
 	free(links);
 	return out;
 }
@@ -209,7 +209,7 @@ void reference_jacobian(const struct reference *r, const struct reference_frame 
 	struct reference_pose *links = raw_memory(NULL, 2 * (size_t)r->nj, sizeof *links), *joints = links + r->nj, t;
 
 	all_poses(r, q, links, joints);
-	t = reference_compose(links[f->entry], f->at);
+	t = compose(links[f->entry], f->at);
 	const wide p[3] = {t.m[0][3], t.m[1][3], t.m[2][3]};
 
 	memset(J, 0, 6 * (size_t)r->nv * sizeof *J);
@@ -263,7 +263,8 @@ static void travel_floating(const wide *q, const wide *v, const wide *a, wide t,
 	out[6] = q[6] * wide_cos(half) - s * (q[3] * u[0] + q[4] * u[1] + q[5] * u[2]);
 }
 
-void reference_travel(const struct reference *r, const wide *q, const wide *qd, const wide *qdd, wide t, wide *out)
+// The state on the curve through q with velocity qd and acceleration qdd, at time t; the velocity there is qd + t qdd.
+static void travel(const struct reference *r, const wide *q, const wide *qd, const wide *qdd, wide t, wide *out)
 {
 	for (int i = 0; i < r->nj; i++) {
 		const struct reference_joint *j = &r->joints[i];
@@ -287,7 +288,7 @@ void reference_rate(const struct reference *r, const wide *q, const wide *qd, co
 
 		if (step == 0)
 			continue;
-		reference_travel(r, q, qd, qdd, t, p);
+		travel(r, q, qd, qdd, t, p);
 		for (int k = 0; k < r->nv; k++)
 			v[k] = qd[k] + t * qdd[k];
 		f(context, p, v, x);

@@ -26,7 +26,6 @@ enum reference_axes {
 };
 
 struct reference_pose reference_shift(wide x, wide y, wide z);
-struct reference_pose reference_compose(struct reference_pose a, struct reference_pose b);
 
 // x y z and angles as the origin of a URDF has them.
 struct reference_pose reference_origin(const wide xyz[3], const wide rpy[3]);
@@ -52,9 +51,6 @@ void reference_acceleration(const struct reference *r, const struct reference_fr
 // J M^-1 J^T, [6][6], in the joints that are not held. Returns the least pivot, as reference_inverse does.
 wide reference_opspace_inverse(struct reference *r, const struct reference_frame *f, enum reference_axes axes,
                                const char *held, const wide *q, wide *out);
-
-// The state on the curve through q with velocity qd and acceleration qdd, at time t; the velocity there is qd + t qdd.
-void reference_travel(const struct reference *r, const wide *q, const wide *qd, const wide *qdd, wide t, wide *out);
 
 // The derivative at t = 0 of what f writes to out[n] for the state at time t: order 8, step REFERENCE_STEP.
 #ifdef REFERENCE_QUAD

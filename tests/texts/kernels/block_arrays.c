@@ -15,7 +15,7 @@ double arrays_get(const struct arrays *x, size_t i, size_t sample, size_t row)
 	return x->a[i].scalar == RNEA_F64 ? ((const double *)x->data[i])[at] : (double)((const float *)x->data[i])[at];
 }
 
-void arrays_set(const struct arrays *x, size_t i, size_t sample, size_t row, double value)
+static void arrays_set(const struct arrays *x, size_t i, size_t sample, size_t row, double value)
 {
 	size_t at = place(x, i, sample, row);
 

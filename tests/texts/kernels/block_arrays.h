@@ -24,6 +24,5 @@ void arrays_free(struct arrays *x);
 void arrays_spoil(struct arrays *x);
 
 double arrays_get(const struct arrays *x, size_t i, size_t sample, size_t row);
-void arrays_set(const struct arrays *x, size_t i, size_t sample, size_t row, double value);
 
 #endif
