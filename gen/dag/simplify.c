@@ -2,7 +2,6 @@
    nothing and x and -x are computed once; constants meet; a product by a negative constant is the negated product. */
 #include "dag/dag.h"
 #include "tree/spatial.h"
-#include <math.h>
 
 static const struct ref NONE = {0};
 

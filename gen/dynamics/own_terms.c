@@ -1,7 +1,6 @@
 /* What joints take for themselves, beside the rigid bodies. */
 #include "dag/derive.h"
 #include "dynamics/tour.h"
-#include <math.h>
 
 /* c v / sqrt(v^2 + width^2): friction c against sliding at v, smooth where it turns. */
 static struct ref smooth_friction(struct dag *d, struct ref c, struct ref v, struct within width)

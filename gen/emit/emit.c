@@ -10,7 +10,6 @@
 #include "emit/kernels/emit_tiles.h"
 #include "emit/unparse.h"
 #include "plan/grid/parts.h"
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,6 +1,5 @@
 #include "tree/tree.h"
 #include "tree/rows.h"
-#include <math.h>
 #include <string.h>
 
 /* A link on its way into the tree. */

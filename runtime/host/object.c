@@ -3,7 +3,6 @@
 #include "host/object.h"
 #include "core/scratch.h"
 #include <dlfcn.h>
-#include <errno.h>
 #include <fcntl.h>
 #include <stdint.h>
 #include <stdio.h>

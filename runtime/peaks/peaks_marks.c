@@ -2,7 +2,6 @@
    rates, and how far off what is computed of it is. */
 #include "peaks/peaks.h"
 #include <float.h>
-#include <math.h>
 #include <string.h>
 
 /* Values above it have squares that doubles may not have. */

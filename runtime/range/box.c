@@ -1,7 +1,6 @@
 #include "range/box.h"
 #include "base/text.h"
 #include "relax/relax.h"
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 

@@ -1,5 +1,4 @@
 #include "range/field.h"
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

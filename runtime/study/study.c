@@ -4,7 +4,6 @@
 #include "emit/emit.h"
 #include "study/floor.h"
 #include "urdf.h"
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

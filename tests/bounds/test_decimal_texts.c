@@ -6,7 +6,6 @@
 #include "support/exhaustive.h"
 #include "support/suite.h"
 #include "target/target.h"
-#include <math.h>
 #include <quadmath.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,7 +1,6 @@
 /* The rules of the expression DAG: what is built, and what comes out. Notation: expression.h. */
 #include "support/expression.h"
 #include "support/suite.h"
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

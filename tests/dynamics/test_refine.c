@@ -6,7 +6,6 @@
 #include "support/scene_model.h"
 #include "dag/eval.h"
 #include "draw/draw.h"
-#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -2,7 +2,6 @@
    with their names, sections and outputs. It catches a node, a name or a section that a copy loses or moves. */
 #include "support/merged.h"
 #include "support/random_robot.h"
-#include "dynamics/registry.h"
 #include "support/rng.h"
 #include "plan/grid/share.h"
 #include "support/suite.h"

@@ -1,7 +1,6 @@
 #include "cases.h"
 #include "support/merged.h"
 #include "robots.h"
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 /* What the reference says of each want, in the shape of what the DAG gives. */
 #include "kinematics/kin_case.h"
 #include <check.h>
-#include <stdlib.h>
 #include <string.h>
 
 struct reference_frame kin_frame(const struct kin_case *c, const char *name)

@@ -3,7 +3,6 @@
 #include "norms/interval.h"
 #include "prove/spans.h"
 #include "support/suite.h"
-#include <stdio.h>
 
 enum { SEED = 20, PAIRS = 20000, BITS = 240 };
 

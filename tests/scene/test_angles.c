@@ -5,7 +5,6 @@
 #include "support/scene_model.h"
 #include "support/generated.h"
 #include "support/suite.h"
-#include "support/urdf_text.h"
 #include "rneagen.h"
 #include <stdio.h>
 #include <stdlib.h>

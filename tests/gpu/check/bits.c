@@ -1,6 +1,5 @@
 /* Texts made with --strict: the torques of the GPU have the bits of those of the processor. */
 #include "arrays.h"
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

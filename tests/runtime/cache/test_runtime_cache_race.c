@@ -4,7 +4,6 @@
 #define _GNU_SOURCE
 #include "test_runtime_cache.h"
 #include "support/rng.h"
-#include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdatomic.h>

@@ -3,7 +3,6 @@
 #include "test_runtime_host.h"
 #include "reference/reference.h"
 #include "support/exhaustive.h"
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

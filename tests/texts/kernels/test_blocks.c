@@ -4,7 +4,6 @@
 #define _GNU_SOURCE
 #include "rnea.h"
 #include "reference/reference.h"
-#include "support/rng.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
 #include "target/launch_library.h"

@@ -8,7 +8,6 @@
 #include "launched.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
