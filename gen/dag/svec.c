@@ -67,10 +67,41 @@ struct ref svec_dot(struct dag *d, struct svec a, struct svec b)
 	return svec_add_dot(d, (struct ref){0}, a, b);
 }
 
+struct svec smat_row(const struct smat *m, int i)
+{
+	return (struct svec){{m->m[i][0], m->m[i][1], m->m[i][2]}};
+}
+
+struct svec smat_column(const struct smat *m, int j)
+{
+	return (struct svec){{m->m[0][j], m->m[1][j], m->m[2][j]}};
+}
+
+void smat_set_row(struct smat *m, int i, struct svec u)
+{
+	for (int j = 0; j < 3; j++)
+		m->m[i][j] = u.x[j];
+}
+
+void smat_set_column(struct smat *m, int j, struct svec u)
+{
+	for (int i = 0; i < 3; i++)
+		m->m[i][j] = u.x[i];
+}
+
+struct smat smat_transposed(const struct smat *m)
+{
+	struct smat out;
+
+	for (int i = 0; i < 3; i++)
+		smat_set_row(&out, i, smat_column(m, i));
+	return out;
+}
+
 struct svec smat_add_mul(struct dag *d, struct svec w, const struct smat *m, struct svec v)
 {
 	for (int i = 0; i < 3; i++)
-		w.x[i] = svec_add_dot(d, w.x[i], (struct svec){{m->m[i][0], m->m[i][1], m->m[i][2]}}, v);
+		w.x[i] = svec_add_dot(d, w.x[i], smat_row(m, i), v);
 	return w;
 }
 
@@ -81,12 +112,18 @@ struct svec smat_mul(struct dag *d, const struct smat *m, struct svec v)
 
 struct svec smat_mul_transposed(struct dag *d, const struct smat *m, struct svec v)
 {
-	struct smat t;
+	struct smat t = smat_transposed(m);
 
-	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++)
-			t.m[i][j] = m->m[j][i];
 	return smat_mul(d, &t, v);
+}
+
+struct smat smat_product(struct dag *d, const struct smat *a, const struct smat *b)
+{
+	struct smat out;
+
+	for (int j = 0; j < 3; j++)
+		smat_set_column(&out, j, smat_mul(d, a, smat_column(b, j)));
+	return out;
 }
 
 struct smat smat_const(struct dag *d, const struct rotation *r)

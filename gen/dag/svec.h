@@ -22,7 +22,13 @@ struct svec svec_sub(struct dag *d, struct svec a, struct svec b);
 struct svec svec_scale(struct dag *d, struct ref s, struct svec a);
 struct svec svec_cross(struct dag *d, struct svec a, struct svec b);
 struct ref svec_dot(struct dag *d, struct svec a, struct svec b);
-/* m v and m^T v */
+struct svec smat_row(const struct smat *m, int i);
+struct svec smat_column(const struct smat *m, int j);
+void smat_set_row(struct smat *m, int i, struct svec u);
+void smat_set_column(struct smat *m, int j, struct svec u);
+struct smat smat_transposed(const struct smat *m);
+/* a b, column by column; m v and m^T v */
+struct smat smat_product(struct dag *d, const struct smat *a, const struct smat *b);
 struct svec smat_mul(struct dag *d, const struct smat *m, struct svec v);
 struct svec smat_mul_transposed(struct dag *d, const struct smat *m, struct svec v);
 /* c + a x b, sum + a.b and w + m v, product by product: each joins the sum before it in one operation. */

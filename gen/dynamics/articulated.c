@@ -33,27 +33,6 @@ static struct ref armature(const struct tour *r, int body)
 	return own_term(r, OWN_ARMATURE, body, within_exact(1));
 }
 
-static struct smat smat_transposed(const struct smat *T)
-{
-	struct smat out;
-
-	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++)
-			out.m[i][j] = T->m[j][i];
-	return out;
-}
-
-static struct svec column(const struct smat *T, int j)
-{
-	return (struct svec){{T->m[0][j], T->m[1][j], T->m[2][j]}};
-}
-
-static void set_column(struct smat *T, int j, struct svec u)
-{
-	for (int i = 0; i < 3; i++)
-		T->m[i][j] = u.x[i];
-}
-
 static struct smat smat_sum(struct dag *d, const struct smat *S, const struct smat *T)
 {
 	struct smat out;
@@ -70,7 +49,7 @@ static struct smat plus_crossed(struct dag *d, const struct smat *S, struct svec
 	struct smat out;
 
 	for (int j = 0; j < 3; j++)
-		set_column(&out, j, svec_add_cross(d, column(S, j), p, column(T, j)));
+		smat_set_column(&out, j, svec_add_cross(d, smat_column(S, j), p, smat_column(T, j)));
 	return out;
 }
 

@@ -25,9 +25,7 @@ static void place(const struct tour *r, const struct body *k, const struct frame
 
 		e.x[j] = dag_const(d, 1);
 		e = joint_to_parent(d, k, &x->pose, e);
-		e = smat_mul(d, &parent->R0, e);
-		for (int i = 0; i < 3; i++)
-			x->R0.m[i][j] = e.x[i];
+		smat_set_column(&x->R0, j, smat_mul(d, &parent->R0, e));
 	}
 }
 

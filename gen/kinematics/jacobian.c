@@ -55,11 +55,8 @@ static struct smat turned_back(struct dag *d, const struct smat *A, const struct
 	struct smat out;
 
 	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++) {
-			const struct svec a = {{A->m[i][0], A->m[i][1], A->m[i][2]}}, b = {{X->m[j][0], X->m[j][1], X->m[j][2]}};
-
-			out.m[i][j] = svec_dot(d, a, b);
-		}
+		for (int j = 0; j < 3; j++)
+			out.m[i][j] = svec_dot(d, smat_row(A, i), smat_row(X, j));
 	return out;
 }
 
@@ -71,12 +68,8 @@ static void turn_back(const struct kinematics *x, int body, struct seen *s)
 
 	if (k->type == JOINT_FLOATING)
 		s->A = turned_back(x->d, &s->R, &at->Q);
-	for (int i = 0; i < 3 && k->type != JOINT_FLOATING; i++) {
-		struct svec row = joint_out_of(x->d, k, at, (struct svec){{s->R.m[i][0], s->R.m[i][1], s->R.m[i][2]}});
-
-		for (int j = 0; j < 3; j++)
-			s->A.m[i][j] = row.x[j];
-	}
+	for (int i = 0; i < 3 && k->type != JOINT_FLOATING; i++)
+		smat_set_row(&s->A, i, joint_out_of(x->d, k, at, smat_row(&s->R, i)));
 }
 
 /* In the link's axes, from the link back to the world: no pose is needed. At the end *s has the world's axes, and the vector from
@@ -103,9 +96,7 @@ void jacobian_frame(const struct kinematics *x, const struct want *w, struct sma
 	struct seen s;
 
 	columns_in_link(x, w, NULL, &s);
-	for (int i = 0; i < 3; i++)
-		for (int j = 0; j < 3; j++)
-			R->m[i][j] = s.R.m[j][i];
+	*R = smat_transposed(&s.R);
 	*p = smat_mul(x->d, R, s.r);
 }
 

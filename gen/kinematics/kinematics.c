@@ -2,40 +2,15 @@
 #include "kinematics/centroid.h"
 #include <string.h>
 
-static struct svec column(const struct smat *m, int j)
-{
-	return (struct svec){{m->m[0][j], m->m[1][j], m->m[2][j]}};
-}
-
-static void set_column(struct smat *m, int j, struct svec u)
-{
-	for (int i = 0; i < 3; i++)
-		m->m[i][j] = u.x[i];
-}
-
-/* A B, column by column */
-static struct smat product(struct dag *d, const struct smat *A, const struct smat *B)
-{
-	struct smat out;
-
-	for (int j = 0; j < 3; j++)
-		set_column(&out, j, smat_mul(d, A, column(B, j)));
-	return out;
-}
-
 /* A R(q), R(q) the joint's variable turn: row by row, (R' a)' */
 static struct smat turned(struct dag *d, const struct body *k, const struct joint_pose *at, const struct smat *A)
 {
 	struct smat out;
 
 	if (k->type == JOINT_FLOATING)
-		return product(d, A, &at->Q);
-	for (int i = 0; i < 3; i++) {
-		struct svec row = joint_into(d, k, at, (struct svec){{A->m[i][0], A->m[i][1], A->m[i][2]}});
-
-		for (int j = 0; j < 3; j++)
-			out.m[i][j] = row.x[j];
-	}
+		return smat_product(d, A, &at->Q);
+	for (int i = 0; i < 3; i++)
+		smat_set_row(&out, i, joint_into(d, k, at, smat_row(A, i)));
 	return out;
 }
 
@@ -49,7 +24,7 @@ static void place(const struct kinematics *x, int body)
 	dag_section(d, SECTION_PLACE, body);
 	to->pose = joint_place(d, k, x->in);
 	to->is_unit = k->type != JOINT_FLOATING && (!from || from->is_unit);
-	to->A = from ? product(d, &from->R, &to->pose.R) : to->pose.R;
+	to->A = from ? smat_product(d, &from->R, &to->pose.R) : to->pose.R;
 	if (x->k->pose == POSE_QUATERNION)
 		quaternion_place(x, body);
 	to->R = x->in.by_halves && to->is_unit ? quaternion_turn(x, body) : turned(d, k, &to->pose, &to->A);
@@ -59,7 +34,7 @@ static void place(const struct kinematics *x, int body)
 		to->point = svec_add(d, from->point, smat_mul(d, &from->R, to->step));
 	to->p = svec_add(d, to->point, smat_mul(d, &to->R, kinematics_from_point(x, body, (struct within[3]){{0}})));
 	for (int j = 0; j < 3; j++)
-		svec_tag(d, column(&to->R, j), (const char *[]){"rx", "ry", "rz"}[j], k->number);
+		svec_tag(d, smat_column(&to->R, j), (const char *[]){"rx", "ry", "rz"}[j], k->number);
 	svec_tag(d, to->point, "p", k->number);
 }
 
@@ -68,7 +43,7 @@ void kinematics_frame(const struct kinematics *x, int body, const struct placeme
 	const struct placed *at = &x->bodies[body];
 	struct smat turn = smat_const(x->d, &X->R);
 
-	*R = product(x->d, &at->R, &turn);
+	*R = smat_product(x->d, &at->R, &turn);
 	*p = svec_add(x->d, at->point, smat_mul(x->d, &at->R, kinematics_from_point(x, body, X->p)));
 }
 

@@ -108,15 +108,9 @@ void quaternion_place(const struct kinematics *x, int body)
 struct smat quaternion_turn(const struct kinematics *x, int body)
 {
 	const struct placed *at = &x->bodies[body];
-	struct smat R = quaternion_matrix(x->d, at->quaternion), C = smat_const(x->d, &at->C), out;
+	struct smat R = quaternion_matrix(x->d, at->quaternion), C = smat_const(x->d, &at->C);
 
-	for (int j = 0; j < 3; j++) {
-		struct svec column = smat_mul(x->d, &R, (struct svec){{C.m[0][j], C.m[1][j], C.m[2][j]}});
-
-		for (int i = 0; i < 3; i++)
-			out.m[i][j] = column.x[i];
-	}
-	return out;
+	return smat_product(x->d, &R, &C);
 }
 
 /* Is it w of a floating body's q? */

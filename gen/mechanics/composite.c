@@ -1,17 +1,6 @@
 #include "mechanics/composite.h"
 #include <string.h>
 
-static struct svec column(const struct smat *T, int j)
-{
-	return (struct svec){{T->m[0][j], T->m[1][j], T->m[2][j]}};
-}
-
-static void set_column(struct smat *T, int j, struct svec u)
-{
-	for (int i = 0; i < 3; i++)
-		T->m[i][j] = u.x[i];
-}
-
 static struct ref *parameter(struct parameters *p, int i)
 {
 	return i == 0 ? &p->mass : i < 4 ? &p->h.x[i - 1] : &p->I[i - 4];
@@ -41,7 +30,7 @@ void composite_add_body(struct dag *d, struct composite *to, const struct parame
 	for (int i = 0; i < 3; i++)
 		G.m[i][i] = dag_sub(d, G.m[i][i], half);
 	for (int j = 0; j < 3; j++)
-		set_column(&to->K, j, svec_add(d, column(&to->K, j), svec_cross(d, w, column(&G, j))));
+		smat_set_column(&to->K, j, svec_add(d, smat_column(&to->K, j), svec_cross(d, w, smat_column(&G, j))));
 	to->P = svec_add(d, to->P, svec_cross(d, w, p->h));
 	add_parameters(d, to, &own);
 	for (int i = 0; i < 10; i++)

@@ -256,20 +256,10 @@ struct svec joint_to_parent(struct dag *d, const struct body *k, const struct jo
 /* A T A^T column by column, then row by row. */
 static struct smat turn_constant(struct dag *d, const struct smat *A, const struct smat *T)
 {
-	struct smat B, out;
+	struct smat B = smat_product(d, A, T), out;
 
-	for (int j = 0; j < 3; j++) {
-		struct svec column = smat_mul(d, A, (struct svec){{T->m[0][j], T->m[1][j], T->m[2][j]}});
-
-		for (int i = 0; i < 3; i++)
-			B.m[i][j] = column.x[i];
-	}
-	for (int i = 0; i < 3; i++) {
-		struct svec row = smat_mul(d, A, (struct svec){{B.m[i][0], B.m[i][1], B.m[i][2]}});
-
-		for (int j = 0; j < 3; j++)
-			out.m[i][j] = row.x[j];
-	}
+	for (int i = 0; i < 3; i++)
+		smat_set_row(&out, i, smat_mul(d, A, smat_row(&B, i)));
 	return out;
 }
 
@@ -285,8 +275,8 @@ static struct ref spread(struct dag *d, int i, const struct smat *T)
 static struct smat turn_about(struct dag *d, int i, const struct joint_pose *at, const struct smat *T, struct ref spread)
 {
 	int j = (i + 1) % 3, k = (i + 2) % 3;
-	struct svec row = svec_turn(d, i, at->s, at->c, (struct svec){{T->m[i][0], T->m[i][1], T->m[i][2]}});
-	struct svec column = svec_turn(d, i, at->s, at->c, (struct svec){{T->m[0][i], T->m[1][i], T->m[2][i]}});
+	struct svec row = svec_turn(d, i, at->s, at->c, smat_row(T, i));
+	struct svec column = svec_turn(d, i, at->s, at->c, smat_column(T, i));
 	struct ref across = T->m[j][k].i == T->m[k][j].i ? dag_mul(d, dag_const(d, 2), T->m[j][k])
 		: dag_add(d, T->m[j][k], T->m[k][j]);
 	struct ref x = dag_add(d, dag_mul(d, at->s, spread), dag_mul(d, at->c, across));
