@@ -62,6 +62,32 @@ void derive_forward(
 	}
 }
 
+struct input {
+	struct dag *d;
+	int argument, row;
+};
+
+static struct ref unit(void *context, int argument, int row)
+{
+	const struct input *by = context;
+	const struct ref zero = {0};
+
+	return argument == by->argument && row == by->row ? dag_const(by->d, 1) : zero;
+}
+
+int derive_by(struct dag *d, struct ref *value, int argument, int row)
+{
+	struct input by = {d, argument, row};
+	struct derivable x;
+	struct ref *dot;
+
+	if (!derive_begin(&x, d, value, 1) || !(dot = arena_alloc(d->arena, x.count, sizeof *dot)))
+		return 0;
+	derive_forward(&x, unit, &by, dot);
+	*value = dot[value->i];
+	return !d->failed;
+}
+
 void derive_backward(const struct derivable *x, const struct ref *weights, struct ref *bar)
 {
 	struct dag *d = x->d;

@@ -21,6 +21,9 @@ int derive_begin(struct derivable *x, struct dag *d, const struct ref *roots, in
 void derive_forward(
 	const struct derivable *x, struct ref (*seed)(void *context, int argument, int row), void *context, struct ref *dot);
 
+/* The derivative of a value by an input, in its place. Returns 0 when memory runs out. */
+int derive_by(struct dag *d, struct ref *value, int argument, int row);
+
 /* Of the sum of weights[k] roots[k]: bar[i] becomes its derivative by node i; bar has x->count elements. */
 void derive_backward(const struct derivable *x, const struct ref *weights, struct ref *bar);
 

@@ -40,28 +40,12 @@ void own_terms(const struct tour *r, int body, struct ref *tau)
 			within_div(r->request->friction_width, size)));
 }
 
-static struct ref along_qd(void *context, int argument, int row)
-{
-	const struct tour *r = context;
-	const struct ref zero = {0};
-
-	(void)row; /* the only one that the terms know */
-	return argument == r->in.qd.argument ? dag_const(r->d, 1) : zero;
-}
-
 struct ref own_rate(const struct tour *r, int body)
 {
-	struct ref tau = {0}, *dot;
-	struct derivable x;
+	struct ref tau = {0};
 
 	own_terms(r, body, &tau);
-	if (!tau.i || !derive_begin(&x, r->d, &tau, 1))
-		return (struct ref){0};
-	dot = arena_alloc(r->d->arena, x.count, sizeof *dot);
-	if (!dot) {
+	if (tau.i && !derive_by(r->d, &tau, r->in.qd.argument, r->t->bodies[body].iv))
 		r->d->failed = 1;
-		return (struct ref){0};
-	}
-	derive_forward(&x, along_qd, (struct tour *)r, dot);
-	return dot[tau.i];
+	return tau;
 }

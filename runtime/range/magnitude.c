@@ -108,31 +108,6 @@ int magnitude_find(struct interval *ranges, const struct field *f, const struct 
 
 /* ---- second derivatives ---- */
 
-struct along {
-	struct dag *d;
-	int argument, row;
-};
-
-static struct ref seed(void *context, int argument, int row)
-{
-	const struct along *x = context;
-
-	return dag_const(x->d, argument == x->argument && row == x->row);
-}
-
-static int derive(struct dag *d, struct ref *root, int argument, int row, struct arena *a)
-{
-	struct along along = {d, argument, row};
-	struct derivable x;
-	struct ref *dot;
-
-	if (!derive_begin(&x, d, root, 1) || !(dot = arena_alloc(a, d->count, sizeof *dot)))
-		return 0;
-	derive_forward(&x, seed, &along, dot);
-	*root = dot[root->i];
-	return !d->failed;
-}
-
 /* Of one output by one row of q; -1 when memory runs out. */
 static double bend_of(const struct job *j, size_t output, const struct field_dim *dim)
 {
@@ -141,7 +116,7 @@ static double bend_of(const struct job *j, size_t output, const struct field_dim
 
 	arena_init(&v.arena, NULL);
 	if (adjoint_make(&v.x, j->f->d, (size_t)j->f->outputs[output], 0, &v.arena) &&
-		derive(&v.x.d, &v.x.root, v.position, dim->row, &v.arena) && derive(&v.x.d, &v.x.root, v.position, dim->row, &v.arena) &&
+		derive_by(&v.x.d, &v.x.root, v.position, dim->row) && derive_by(&v.x.d, &v.x.root, v.position, dim->row) &&
 		norms_make(&v.norms, &v.x.d, 0, &v.arena) && norms_lay(&v.norms, &v.arena) &&
 		norms_values_make(&v.values, &v.norms, &v.arena) && box_copy(v.rows, j->b, j->f->d, &v.arena)) {
 		for (int k = 0; k < j->f->dim_count; k++)

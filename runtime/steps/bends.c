@@ -46,30 +46,6 @@ static struct ref copy_output(struct dag *out, const struct dag *d, size_t outpu
 	return c.map[root];
 }
 
-struct along {
-	struct dag *d;
-	int argument, row;
-};
-
-static struct ref seed(void *context, int argument, int row)
-{
-	const struct along *x = context;
-
-	return dag_const(x->d, argument == x->argument && row == x->row);
-}
-
-static int derive(struct dag *d, struct ref *root, struct along along)
-{
-	struct derivable x;
-	struct ref *dot = arena_alloc(d->arena, d->count, sizeof *dot);
-
-	if (!dot || !derive_begin(&x, d, root, 1))
-		return 0;
-	derive_forward(&x, seed, &along, dot);
-	*root = dot[root->i];
-	return !d->failed;
-}
-
 /* Over all angles; INFINITY where an operation is not known. */
 static int size_of(const struct dag *d, size_t output, struct span *const *rows, struct arena *a, double *size)
 {
@@ -86,9 +62,9 @@ static int size_of(const struct dag *d, size_t output, struct span *const *rows,
 	return 1;
 }
 
-/* Its `times`th derivative by a row of q. */
-static int size_of_derivative(const struct dag *d, size_t output, int times, struct along along,
-	struct span *const *rows, double *size)
+/* Of its `times`th derivative by an input. */
+static int size_of_derivative(const struct dag *d, size_t output, int times, int argument, int row, struct span *const *rows,
+	double *size)
 {
 	struct arena arena;
 	struct dag own;
@@ -97,10 +73,9 @@ static int size_of_derivative(const struct dag *d, size_t output, int times, str
 
 	arena_init(&arena, NULL);
 	root = copy_output(&own, d, output, &arena);
-	along.d = &own;
 	done = !arena.failed && !own.failed;
 	for (int i = 0; i < times && done; i++)
-		done = derive(&own, &root, along);
+		done = derive_by(&own, &root, argument, row);
 	if (done)
 		dag_output(&own, d->outputs[output].argument, d->outputs[output].row, root);
 	done = done && !own.failed && size_of(&own, 0, rows, &arena, size);
@@ -118,10 +93,9 @@ int bends_find(struct bends_start *b, const struct points *p, const struct dag *
 		before[k] = rows[position][p->dims[k].row];
 		rows[position][p->dims[k].row] = p->dims[k].is_angle ? CIRCLE : before[k];
 	}
-	done = size_of_derivative(d, output, 0, (struct along){0}, rows, &b->whole);
+	done = size_of_derivative(d, output, 0, position, 0, rows, &b->whole);
 	for (int k = 0; k < p->dim_count && done; k++)
-		done = size_of_derivative(d, output, 2, (struct along){.argument = position, .row = p->dims[k].row},
-			rows, &b->bends[k]);
+		done = size_of_derivative(d, output, 2, position, p->dims[k].row, rows, &b->bends[k]);
 	for (int k = 0; k < p->dim_count; k++)
 		rows[position][p->dims[k].row] = before[k];
 	return done;
