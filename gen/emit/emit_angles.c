@@ -159,12 +159,7 @@ static const char *declarations_text(const struct emission *e, const struct func
 
 int emit_has_angles(const struct emission *e, const struct function *p)
 {
-	const struct plan *table = &table_of(e, p)->plan;
-
-	for (size_t i = 0; i < table->line_count; i++)
-		if (table->lines[i].kind == LINE_SINCOS)
-			return 1;
-	return 0;
+	return plan_sincos(&table_of(e, p)->plan) > 0;
 }
 
 /* Of a type: the angle, its sine and cosine. */

@@ -270,7 +270,7 @@ static void put_one_functions(const struct emission *e, const struct function *p
 /* Of batches. */
 static const char *many_functions(const struct emission *e, const struct function *p)
 {
-	const char *unread = emit_handed_on(e, emit_unread_names(e, p)); /* once: it goes through all nodes */
+	const char *unread = emit_handed_on(e, emit_unread_names(e, p)); /* once: it goes through all lines */
 	struct text t;
 
 	text_init(&t, e->arena);

@@ -293,12 +293,20 @@ struct operation_count plan_operations_of(const struct dag *d, size_t first, siz
 	return n;
 }
 
+unsigned plan_sincos(const struct plan *p)
+{
+	unsigned count = 0;
+
+	for (size_t i = 0; i < p->line_count; i++)
+		count += p->lines[i].kind == LINE_SINCOS;
+	return count;
+}
+
 struct operation_count plan_operations(const struct plan *p)
 {
 	struct operation_count n = plan_operations_of(p->dag, 0, p->dag->count);
 
-	for (size_t i = 0; i < p->line_count; i++)
-		n.sincos += p->lines[i].kind == LINE_SINCOS;
+	n.sincos = plan_sincos(p);
 	return n;
 }
 

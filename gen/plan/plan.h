@@ -132,6 +132,9 @@ int plan_order(struct function *p, const struct tree *t, const struct request *k
 /* The node that holds the sine (op OP_SIN) or cosine (OP_COS) of the same angle; node 0 if nobody needs it. */
 struct ref plan_partner(const struct plan *p, struct ref sincos, enum op op);
 
+/* Angles whose sine, cosine or both it computes. */
+unsigned plan_sincos(const struct plan *p);
+
 /* Operations of the DAG as it is written; a sine and cosine of one angle count once, a quotient or root as a product. */
 struct operation_count plan_operations(const struct plan *p);
 

@@ -176,7 +176,7 @@ int segments_once_more(struct function **made, const struct function *p, segment
 	s->algorithm = x;
 	if (!segments_choose(s, SEGMENT_AGAIN, k, o, a))
 		return 0;
-	if (plan_operations(&s->plan).sincos == plan_operations(&p->plan).sincos)
+	if (plan_sincos(&s->plan) == plan_sincos(&p->plan))
 		*made = s;
 	return 1;
 }

@@ -107,7 +107,7 @@ static int crew_knows(const struct emission *e, const struct crew *c)
 	for (int k = 0; k < c->count; k++) {
 		const struct function *p = crew_pass(e, c, k);
 
-		if (plan_operations(&p->plan).sincos && !p->limbs.first.count)
+		if (plan_sincos(&p->plan) && !p->limbs.first.count)
 			return 1;
 	}
 	return 0;

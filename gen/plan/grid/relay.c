@@ -285,7 +285,7 @@ static void add_solve(struct operation_count *sum, const struct function *p)
 	}
 	struct operation_count factors = plan_operations_of(d, 0, end);
 
-	factors.sincos = plan_operations(&p->plan).sincos;
+	factors.sincos = plan_sincos(&p->plan);
 	plan_add_operations(sum, factors, 1);
 }
 

@@ -2,7 +2,7 @@
 
 struct angles angles_of(const struct plan *p, int is_wide, struct arena *a)
 {
-	struct angles list = {.dag = p->dag, .angle = arena_alloc(a, plan_operations(p).sincos, sizeof *list.angle)};
+	struct angles list = {.dag = p->dag, .angle = arena_alloc(a, plan_sincos(p), sizeof *list.angle)};
 
 	for (size_t i = 0; list.angle && i < p->line_count; i++) {
 		const struct node *n = &p->dag->nodes[p->lines[i].value.i];

@@ -125,7 +125,7 @@ static int makes_sines_first(struct function *const *functions, int count, const
 		return 0;
 	for (int i = 0; i < count; i++) {
 		const struct plan *p = &functions[i]->plan;
-		unsigned again = number_bytes(o) == 8 ? SINE_OPERATIONS * plan_operations(p).sincos : 0;
+		unsigned again = number_bytes(o) == 8 ? SINE_OPERATIONS * plan_sincos(p) : 0;
 
 		if (limbs_operations(p, a) + again >= FIRST_SINES)
 			return 1;
