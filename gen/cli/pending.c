@@ -119,6 +119,16 @@ static enum rneagen_code fail_at(const char *path, const char *target, struct rn
 	return error_set(e, RNEAGEN_WRITE, "%s, a link to %s: cannot be written: %s", path, target, strerror(why));
 }
 
+/* A stream to write, which closes fd; where there is none, fd is closed now. -1 is no file. */
+static FILE *stream_of(int fd)
+{
+	FILE *f = fd < 0 ? NULL : fdopen(fd, "wb");
+
+	if (!f && fd >= 0)
+		close(fd);
+	return f;
+}
+
 /* mkstemp, with the mode of a file made by fopen. */
 static FILE *create(char *name)
 {
@@ -130,11 +140,8 @@ static FILE *create(char *name)
 	if (fd < 0)
 		return NULL;
 	fchmod(fd, 0666 & ~mask);
-	f = fdopen(fd, "wb");
-	if (!f) {
-		close(fd);
+	if (!(f = stream_of(fd)))
 		unlink(name);
-	}
 	return f;
 }
 
@@ -184,17 +191,6 @@ static enum rneagen_code open_temporary(struct pending *p, FILE *(*make)(char *)
 	return e->code;
 }
 
-/* Another end of an open file: what is there stays, and what is written follows. */
-static FILE *open_again(int fd)
-{
-	int again = dup(fd);
-	FILE *f = again < 0 ? NULL : fdopen(again, "wb");
-
-	if (!f && again >= 0)
-		close(again);
-	return f;
-}
-
 /* Begin *p: the file of the name, through links. */
 static enum rneagen_code begin(struct pending *p, const char *path, char target[PENDING_PATH], struct rneagen_error *e)
 {
@@ -218,7 +214,8 @@ enum rneagen_code pending_open(struct pending *p, const char *path, struct rneag
 		return open_temporary(p, create, 1, e);
 	}
 	fd = pending_number(target);
-	p->f = fd < 0 ? fopen(path, "wb") : open_again(fd);
+	/* another end of an open file: what is there stays, and what is written follows */
+	p->f = fd < 0 ? fopen(path, "wb") : stream_of(dup(fd));
 	return p->f ? RNEAGEN_OK : pending_fail(path, e);
 }
 
@@ -245,22 +242,12 @@ enum rneagen_code pending_try(const char *path, struct rneagen_error *e)
 /* In the place of what another run left. A link that stands there is not followed. */
 static FILE *create_part(char *name)
 {
-	int fd = unlink(name) && errno != ENOENT ? -1 : open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-	FILE *f = fd < 0 ? NULL : fdopen(fd, "wb");
-
-	if (!f && fd >= 0)
-		close(fd);
-	return f;
+	return stream_of(unlink(name) && errno != ENOENT ? -1 : open(name, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
 }
 
 static FILE *take_part(char *name)
 {
-	int fd = open(name, O_WRONLY | O_NOFOLLOW | O_CLOEXEC);
-	FILE *f = fd < 0 ? NULL : fdopen(fd, "wb");
-
-	if (!f && fd >= 0)
-		close(fd);
-	return f;
+	return stream_of(open(name, O_WRONLY | O_NOFOLLOW | O_CLOEXEC));
 }
 
 static enum rneagen_code open_part(
