@@ -137,7 +137,7 @@ enum rnea_code rnea_resources(const struct rnea_robot *robot, const char *functi
 	size_t i;
 
 	*resources = (struct rnea_resources){0};
-	if (!find(robot, function, &i, e))
+	if (!find(robot, function, &i, e) && robot->backend->resources)
 		*resources = robot->backend->resources(robot->state, i);
 	return e->code;
 }

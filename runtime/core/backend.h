@@ -39,6 +39,7 @@ struct backend {
 	/* The same of a text of layout soa on arrays [sample][row]; NULL: it cannot. */
 	enum rnea_code (*run_aos)(const void *state, void *const *arrays, size_t count, struct rnea_error *e);
 
+	/* Of a kernel; NULL: it has none. */
 	struct rnea_resources (*resources)(const void *state, size_t function);
 };
 

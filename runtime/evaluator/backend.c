@@ -137,16 +137,9 @@ static enum rnea_code evaluator_launch(
 	return evaluator_run(state, arrays, count, e);
 }
 
-static struct rnea_resources evaluator_resources(const void *state, size_t function)
-{
-	(void)state, (void)function;
-	return (struct rnea_resources){0};
-}
-
 const struct backend backend_evaluator = {.name = RNEA_BACKEND_EVALUATOR,
 	.symbols = "evaluator",
 	.open = evaluator_open,
 	.close = evaluator_close,
 	.launch = evaluator_launch,
-	.run = evaluator_run,
-	.resources = evaluator_resources};
+	.run = evaluator_run};

@@ -112,17 +112,10 @@ static enum rnea_code host_backend_run_aos(const void *state, void *const *array
 	return host_run_aos(&s->host, s->functions, s->info->functions, arrays, count) ? RNEA_OK : rnea_error_memory(e);
 }
 
-static struct rnea_resources host_resources(const void *state, size_t function)
-{
-	(void)state, (void)function;
-	return (struct rnea_resources){0};
-}
-
 const struct backend backend_host = {.name = RNEA_BACKEND_HOST,
 	.symbols = "slice",
 	.open = host_backend_open,
 	.close = host_backend_close,
 	.launch = host_launch,
 	.run = host_backend_run,
-	.run_aos = host_backend_run_aos,
-	.resources = host_resources};
+	.run_aos = host_backend_run_aos};
