@@ -1,33 +1,21 @@
 /* The passes of the pipeline for two small robots, as they were when somebody last looked at them: tests/golden/.
    After a change that is meant: RNEAGEN_RENEW=1 test_golden writes them anew; then read what git diff shows. */
 #include "rneagen.h"
+#include "support/read.h"
 #include "support/suite.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const char *const robots[] = {"double_pendulum", "mimic_chain"};
-static const char *const stages[] = {[RNEAGEN_DUMP_ROBOT] = "robot", [RNEAGEN_DUMP_TREE] = "tree",
+static const char *const passes[] = {[RNEAGEN_DUMP_ROBOT] = "robot", [RNEAGEN_DUMP_TREE] = "tree",
 	[RNEAGEN_DUMP_DAG] = "dag", [RNEAGEN_DUMP_PLAN] = "plan", [RNEAGEN_DUMP_SCENE] = "scene",
 	[RNEAGEN_DUMP_REQUEST] = "request", [RNEAGEN_DUMP_PARTS] = "parts", [RNEAGEN_DUMP_PASSES] = "passes"};
-enum { STAGES = RNEAGEN_DUMP_PASSES };
+enum { PASSES = RNEAGEN_DUMP_PASSES };
 
 /* By robot: for what there is to see of a scene. */
 static const char *const scenes[] = {"fold qdd=0\nfree mass.lower:batch\nwant tau,M\nrange q.elbow=-0.5,0.25\n",
 	"tip arm\nlock motor=0.5\ntip hand\nfree gravity:sample\nfext hand\narmature wrist=0.125\nwant tau,power\n"};
-
-/* The whole file; NULL if there is none. The caller frees it. */
-static char *contents(const char *path, size_t *length)
-{
-	FILE *f = fopen(path, "rb");
-	char *s = calloc(1, 1 << 20);
-
-	ck_assert_ptr_nonnull(s);
-	*length = f ? fread(s, 1, (1 << 20) - 1, f) : 0;
-	if (f)
-		fclose(f);
-	return f ? s : (free(s), NULL);
-}
 
 /* The first line that differs, for the message. */
 static void compare(const char *path, const char *got, const char *want)
@@ -49,10 +37,10 @@ static void renew(const char *path, const char *text)
 	printf("renewed: %s\n", path);
 }
 
-START_TEST(stage)
+START_TEST(pass)
 {
-	const char *robot = robots[_i / STAGES], *renewed = getenv("RNEAGEN_RENEW");
-	enum rneagen_dump dump = (enum rneagen_dump)(RNEAGEN_DUMP_ROBOT + _i % STAGES);
+	const char *robot = robots[_i / PASSES], *renewed = getenv("RNEAGEN_RENEW");
+	enum rneagen_dump dump = (enum rneagen_dump)(RNEAGEN_DUMP_ROBOT + _i % PASSES);
 	struct rneagen_options o = rneagen_options_default();
 	struct rneagen_result r;
 	struct rneagen_error e;
@@ -60,18 +48,16 @@ START_TEST(stage)
 	size_t length;
 	char *text;
 
-	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", robot);
-	text = contents(path, &length);
-	ck_assert_msg(text != NULL, "cannot read %s", path);
+	text = robot_text(robot);
 	o.dump = dump;
-	o.scene = dump >= RNEAGEN_DUMP_SCENE && dump <= RNEAGEN_DUMP_PARTS ? scenes[_i / STAGES] : NULL;
-	ck_assert_msg(!rneagen_generate(text, length, &o, &r, &e), "%s", e.message);
+	o.scene = dump >= RNEAGEN_DUMP_SCENE && dump <= RNEAGEN_DUMP_PARTS ? scenes[_i / PASSES] : NULL;
+	ck_assert_msg(!rneagen_generate(text, strlen(text), &o, &r, &e), "%s", e.message);
 	free(text);
-	snprintf(path, sizeof path, TEST_DIR "/golden/%s.%s", robot, stages[dump]);
+	snprintf(path, sizeof path, TEST_DIR "/golden/%s.%s", robot, passes[dump]);
 	if (renewed && !strcmp(renewed, "1")) {
 		renew(path, r.dump);
 	} else {
-		text = contents(path, &length);
+		text = read_file(path, &length);
 		compare(path, r.dump, text);
 		free(text);
 	}
@@ -82,10 +68,10 @@ END_TEST
 int main(void)
 {
 	Suite *suite = suite_create("golden");
-	TCase *c = tcase_create("stages");
+	TCase *c = tcase_create("passes");
 
 	setvbuf(stdout, NULL, _IOLBF, 0);
-	tcase_add_loop_test(c, stage, 0, STAGES * sizeof robots / sizeof *robots);
+	tcase_add_loop_test(c, pass, 0, PASSES * sizeof robots / sizeof *robots);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }

@@ -33,7 +33,7 @@ struct hard_case {
 extern const struct hard_case HARD_CASES[];
 extern const int HARD_CASE_COUNT;
 
-/* The case's robot through the generator's stages; hard_close releases both. */
+/* The case's robot through the generator's passes; hard_close releases both. */
 struct hard {
 	const struct hard_case *of;
 	struct rneagen_options options;

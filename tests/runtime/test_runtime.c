@@ -119,16 +119,25 @@ void drop_folder(void)
 	ck_assert_int_eq(nftw(folder, remove_one, 16, FTW_DEPTH | FTW_PHYS), 0);
 }
 
+char *read_text(const char *path, size_t *length)
+{
+	enum { ROOM = 1 << 23 };
+	FILE *f = fopen(path, "rb");
+	char *text = calloc(1, ROOM);
+	size_t size;
+
+	ck_assert_msg(f && text, "%s cannot be read", path);
+	size = fread(text, 1, ROOM - 1, f);
+	fclose(f);
+	ck_assert(size > 0 && size < ROOM - 1);
+	if (length)
+		*length = size;
+	return text;
+}
+
 char *pendulum(size_t *length)
 {
-	FILE *f = fopen(TEST_DIR "/runtime/pendulum.cu", "rb");
-	char *text = calloc(1, 1 << 16);
-
-	ck_assert_ptr_nonnull(f);
-	*length = fread(text, 1, (1 << 16) - 1, f);
-	fclose(f);
-	ck_assert_uint_gt(*length, 0);
-	return text;
+	return read_text(TEST_DIR "/runtime/pendulum.cu", length);
 }
 
 char *pendulum_with(const char *from, const char *to)

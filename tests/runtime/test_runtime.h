@@ -32,7 +32,8 @@ void drop_folder(void);
 /* The pendulum computes on either way to launch it; closed afterwards. */
 void pendulum_computes(struct rnea_robot *robot);
 
-/* tests/runtime/pendulum.cu, NUL-terminated, malloc. */
+/* A whole file, or tests/runtime/pendulum.cu, NUL-terminated, malloc; `length` may be NULL. */
+char *read_text(const char *path, size_t *length);
 char *pendulum(size_t *length);
 
 /* A copy of it, malloc, in which the first `from` is replaced by `to`. */

@@ -6,20 +6,10 @@
 #include <string.h>
 #include <unistd.h>
 
-static char *read_text(const char *path)
-{
-	FILE *f = fopen(path, "rb");
-	char *text = calloc(1, 1 << 16);
-
-	ck_assert(f && text && fread(text, 1, (1 << 16) - 1, f) > 0);
-	fclose(f);
-	return text;
-}
-
 /* A text for both backends, as rneagen writes it for target cuda: the two pendulums in one. */
 static char *both(void)
 {
-	char *cuda = read_text(TEST_DIR "/runtime/pendulum.cu"), *c = read_text(TEST_DIR "/runtime/pendulum.c"), *text;
+	char *cuda = pendulum(NULL), *c = read_text(TEST_DIR "/runtime/pendulum.c", NULL), *text;
 
 	ck_assert_int_gt(asprintf(&text, "#if defined __CUDACC_RTC__\n%s\n#else\n%s\n#endif\n", cuda, c), 0);
 	free(cuda);
@@ -46,7 +36,7 @@ static struct rnea_robot *open_on(
 
 START_TEST(chooses_the_backend)
 {
-	char *c = read_text(TEST_DIR "/runtime/pendulum.c"), *cuda = both();
+	char *c = read_text(TEST_DIR "/runtime/pendulum.c", NULL), *cuda = both();
 
 	pendulum_computes(open_on(cuda, RNEA_BACKEND_ANY, RNEA_BACKEND_CUDA, ""));
 	pendulum_computes(open_on(cuda, RNEA_BACKEND_CUDA, RNEA_BACKEND_CUDA, ""));
@@ -104,7 +94,7 @@ END_TEST
 
 START_TEST(refuses_c_on_cuda)
 {
-	char *text = read_text(TEST_DIR "/runtime/pendulum.c");
+	char *text = read_text(TEST_DIR "/runtime/pendulum.c", NULL);
 	struct rnea_robot *robot;
 	struct rnea_error e;
 
@@ -145,7 +135,7 @@ END_TEST
 
 START_TEST(tells_about_the_host)
 {
-	char *text = read_text(TEST_DIR "/runtime/pendulum.c");
+	char *text = read_text(TEST_DIR "/runtime/pendulum.c", NULL);
 	struct rnea_options o = {.threads = 3, .block = 64};
 	const struct rnea_build *b;
 	struct rnea_robot *robot;
@@ -172,7 +162,7 @@ END_TEST
 
 START_TEST(host_launches)
 {
-	char *text = read_text(TEST_DIR "/runtime/pendulum.c");
+	char *text = read_text(TEST_DIR "/runtime/pendulum.c", NULL);
 	struct rnea_robot *robot = open_on(text, RNEA_BACKEND_ANY, RNEA_BACKEND_HOST, "");
 	float q = 0, qd = 0, qdd = 0, tau = 0;
 	void *arrays[] = {&q, &qd, &qdd, &tau};

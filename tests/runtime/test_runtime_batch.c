@@ -81,13 +81,10 @@ static void defer(int yes)
 
 struct rnea_robot *batch_open(int is_aos)
 {
-	FILE *f = fopen(TEST_DIR "/runtime/mixed.cu", "rb");
-	char *text = calloc(1, 1 << 16);
+	char *text = read_text(TEST_DIR "/runtime/mixed.cu", NULL);
 	struct rnea_robot *robot;
 	struct rnea_error e;
 
-	ck_assert(f && text && fread(text, 1, (1 << 16) - 1, f) > 0);
-	fclose(f);
 	if (is_aos) {
 		memcpy(strstr(text, "MIXED_AOS 0"), "MIXED_AOS 1", 11);
 		memcpy(strstr(text, "layout soa"), "layout aos", 10);

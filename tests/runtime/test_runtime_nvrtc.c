@@ -52,18 +52,6 @@ static const char *inside(const char *name)
 	return path;
 }
 
-static char *read_file(const char *path, size_t *size)
-{
-	FILE *f = fopen(path, "rb");
-	char *content = calloc(1, 1 << 20);
-
-	ck_assert_msg(f != NULL, "%s cannot be read", path);
-	*size = fread(content, 1, (1 << 20) - 1, f);
-	ck_assert_uint_lt(*size, (1 << 20) - 1);
-	fclose(f);
-	return content;
-}
-
 /* A file in the folder, with the folders above it. */
 static const char *write_file(const char *name, const char *content, size_t size)
 {
@@ -86,7 +74,7 @@ static const char *write_file(const char *name, const char *content, size_t size
 static const char *put_nvrtc(const char *name)
 {
 	size_t size;
-	char *content = read_file(FAKE_NVRTC_12, &size);
+	char *content = read_text(FAKE_NVRTC_12, &size);
 	const char *path = write_file(name, content, size);
 
 	free(content);
@@ -96,8 +84,7 @@ static const char *put_nvrtc(const char *name)
 /* Whether this process has mapped a file whose path contains `part`. */
 static int is_loaded(const char *part)
 {
-	size_t size;
-	char *maps = read_file("/proc/self/maps", &size);
+	char *maps = read_text("/proc/self/maps", NULL);
 	int found = strstr(maps, part) != NULL;
 
 	free(maps);

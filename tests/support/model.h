@@ -1,6 +1,6 @@
 #ifndef TESTS_MODEL_H
 #define TESTS_MODEL_H
-/* A URDF taken through the generator's stages and through the reference, for tests that compare the two. */
+/* A URDF taken through the generator's passes and through the reference, for tests that compare the two. */
 
 #include "emit/emit.h"
 #include "dag/eval.h"

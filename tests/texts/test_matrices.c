@@ -3,6 +3,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "urdf.h"
 #include "support/exhaustive.h"
+#include "support/read.h"
 #include "support/rng.h"
 #include "support/suite.h"
 #include "target/target.h"
@@ -232,17 +233,15 @@ static void *compile(const struct subject *s, enum rneagen_target target, struct
 	struct target_path text = target_path(s->name, target == RNEAGEN_TARGET_C ? "_matrices.c" : "_matrices.cu");
 	struct target_path object = target_path(s->name, "_matrices.so");
 	size_t length;
-	FILE *file = fopen(path_of(s), "rb");
-	static char urdf[1 << 20];
+	char *urdf = read_file(path_of(s), &length);
 	const char *const command[] = {
 		"cc", "-std=c11", "-x", "c", WARNING_FLAGS, "-shared", "-fPIC", "-o", object.s, text.s, "-lm", NULL};
 	void *library;
 
-	ck_assert_ptr_nonnull(file);
-	length = fread(urdf, 1, sizeof urdf, file);
-	fclose(file);
+	ck_assert_ptr_nonnull(urdf);
 	o.target = target;
 	target_generate(t, urdf, length, &o, s->name);
+	free(urdf);
 	target_write(text, t->text.source);
 	target_compile(t, command);
 	library = dlopen(object.s, RTLD_NOW | RTLD_LOCAL);

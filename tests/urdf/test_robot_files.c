@@ -38,7 +38,7 @@ static const struct answer answers[] = {
 	{"s22_", RNEAGEN_LIMIT, "nested more than 100 deep"},
 	{"s23_", RNEAGEN_XML, "a DOCTYPE"},
 	{"s24_", RNEAGEN_XACRO, "the file is xacro"},
-	{"s25_", RNEAGEN_OK, NULL}, /* no movable joint: a later stage refuses it */
+	{"s25_", RNEAGEN_OK, NULL}, /* no movable joint: a later pass refuses it */
 	{"s26_", RNEAGEN_OK, NULL},
 	{"s27_", RNEAGEN_OK, NULL},
 	{"s28_", RNEAGEN_OK, "joint 'j1': its axis is 2 long, not 1; normalised"},
