@@ -41,14 +41,14 @@ struct box_bound certified_total(const struct certified *row, int precision_coun
 }
 
 /* What a step of an output is about. */
-struct stage {
+struct subject {
 	struct errors errors;
 	struct asked_box box;
 	struct boxes_of of;
 	struct arena arena;
 };
 
-static int stage_open(struct stage *s, const struct certificate *c, size_t output, enum step_kind kind)
+static int subject_open(struct subject *s, const struct certificate *c, size_t output, enum step_kind kind)
 {
 	const struct dag *d = &c->a->dag;
 
@@ -63,18 +63,19 @@ static int stage_open(struct stage *s, const struct certificate *c, size_t outpu
 long certificate_check_boxes(const struct certificate *c, size_t output, enum step_kind kind, const struct boxes *step,
 	const char **what)
 {
-	struct stage s;
+	struct subject s;
 	long fault = (long)step->count;
 
 	*what = "its expressions";
-	if (stage_open(&s, c, output, kind))
+	if (subject_open(&s, c, output, kind))
 		fault = boxes_check(step, &s.of, what);
 	arena_free(&s.arena);
 	return fault;
 }
 
 /* The output as polynomials, and how it bends. 1; 0: memory ran out; -1: it is none. */
-static int stage_points(struct stage *s, const struct certificate *c, size_t output, struct points *p, struct bends_start *start)
+static int subject_points(struct subject *s, const struct certificate *c, size_t output, struct points *p,
+	struct bends_start *start)
 {
 	const struct dag *d = &c->a->dag;
 	int made;
@@ -88,12 +89,12 @@ static int stage_points(struct stage *s, const struct certificate *c, size_t out
 
 const char *certificate_check_grid(const struct certificate *c, size_t output, const struct grid_step *step)
 {
-	struct stage s;
+	struct subject s;
 	struct points p;
 	struct bends_start start;
 	const char *fault = "expressions";
 
-	if (stage_points(&s, c, output, &p, &start) == 1)
+	if (subject_points(&s, c, output, &p, &start) == 1)
 		fault = grid_check(step, &p, &start);
 	arena_free(&s.arena);
 	return fault;
@@ -117,10 +118,10 @@ static int make_grid(const struct making *m, size_t output)
 {
 	const struct proved_bound *p = &m->proved[output];
 	struct certified *row = &m->c->rows[output];
-	struct stage s;
+	struct subject s;
 	struct points points;
 	struct bends_start start;
-	int made = stage_points(&s, m->c, output, &points, &start);
+	int made = subject_points(&s, m->c, output, &points, &start);
 
 	if (made == 1 && points.dim_count)
 		made = grid_find(&row->grid, &points, &start, fmax(fabs(p->low), fabs(p->high)), SHARES[STEP_GRID] * m->seconds);
@@ -133,12 +134,12 @@ static int make_boxes(const struct making *m, size_t output, enum step_kind kind
 	const struct record_output *r = &m->record->outputs[output];
 	const struct proved_bound *p = &m->proved[output];
 	struct boxes_goal goal = m->goal;
-	struct stage s;
+	struct subject s;
 	int made = 1;
 
 	goal.target = kind == STEP_ERRORS ? p->errors[0] : fmax(fabs(p->low), fabs(p->high));
 	goal.deadline = fmin(goal.deadline, seconds_now() + SHARES[kind] * m->seconds);
-	if (!stage_open(&s, m->c, output, kind))
+	if (!subject_open(&s, m->c, output, kind))
 		made = !s.arena.failed;
 	else
 		made = boxes_find(&m->c->rows[output].steps[kind], &s.of, kind == STEP_ERRORS ? &r->errors : &r->values, &goal);

@@ -7,30 +7,30 @@
 
 /* A slice is about SLICE_BYTES, so that copies run at full speed, but no less than SLICE_SAMPLES, so that the kernel
    fills the device. Arrays begin at multiples of ALIGN. */
-enum { STAGES = 3, SLICE_BYTES = 1 << 22, SLICE_SAMPLES = 4096, ALIGN = 256 };
+enum { BUFFERS = 3, SLICE_BYTES = 1 << 22, SLICE_SAMPLES = 4096, ALIGN = 256 };
 
-struct stage {
-	void *stream;		   /* NULL: the stage has not been needed yet */
-	char *locked;		   /* page-locked, stage_bytes */
+struct buffer {
+	void *stream;		   /* NULL: the buffer has not been needed yet */
+	char *locked;		   /* page-locked, buffer_bytes */
 	unsigned long long device; /* as many bytes */
 	size_t first, count;	   /* the samples of the slice that is under way; none: 0 */
 };
 
 struct pipe {
 	struct pipe *next;
-	struct stage stages[STAGES];
+	struct buffer buffers[BUFFERS];
 };
 
 struct pipe_pool {
 	const struct driver *driver;
 	struct workers *workers;
 	const struct rnea_info *info;
-	size_t slice, stage_bytes;
+	size_t slice, buffer_bytes;
 	pthread_mutex_t lock;
 	struct pipe *idle; /* under the lock */
 };
 
-/* One call. Array i stands at offsets[i] of a stage's memory: first the inputs that are packed, then the outputs that
+/* One call. Array i stands at offsets[i] of a buffer's memory: first the inputs that are packed, then the outputs that
    are, then those that are copied from and to where the program has them. */
 struct call {
 	const struct pipe_pool *pool;
@@ -76,7 +76,7 @@ enum rnea_code pipe_open(struct pipe_pool **pool, const struct driver *driver, c
 		p->slice = SLICE_SAMPLES;
 	/* whole blocks */
 	p->slice = (p->slice + info->block - 1) / info->block * info->block;
-	p->stage_bytes = p->slice * bytes + whole + n * ALIGN;
+	p->buffer_bytes = p->slice * bytes + whole + n * ALIGN;
 	if ((p->workers = workers_open(threads)) != NULL && pthread_mutex_init(&p->lock, NULL) == 0)
 		return RNEA_OK;
 	workers_close(p->workers);
@@ -90,15 +90,15 @@ size_t pipe_slice(const struct pipe_pool *pool)
 	return pool->slice;
 }
 
-static void stage_free(const struct device *d, struct stage *s)
+static void buffer_free(const struct device *d, struct buffer *b)
 {
 	struct rnea_error ignored = {0};
 
-	if (s->stream)
-		device_finish(d, s->stream, &ignored);
-	device_free_host(d, s->locked);
-	device_free(d, s->device);
-	memset(s, 0, sizeof *s);
+	if (b->stream)
+		device_finish(d, b->stream, &ignored);
+	device_free_host(d, b->locked);
+	device_free(d, b->device);
+	memset(b, 0, sizeof *b);
 }
 
 void pipe_close(struct pipe_pool *pool, int lost)
@@ -109,8 +109,8 @@ void pipe_close(struct pipe_pool *pool, int lost)
 		struct pipe *p = pool->idle;
 
 		pool->idle = p->next;
-		for (int i = 0; i < STAGES && !lost; i++)
-			stage_free(&pool->driver->device, &p->stages[i]);
+		for (int i = 0; i < BUFFERS && !lost; i++)
+			buffer_free(&pool->driver->device, &p->buffers[i]);
 		free(p);
 	}
 	pthread_mutex_destroy(&pool->lock);
@@ -137,22 +137,22 @@ static void return_pipe(struct pipe_pool *pool, struct pipe *p)
 	pthread_mutex_unlock(&pool->lock);
 }
 
-/* Give a stage what it needs, unless it has it. */
-static enum rnea_code stage_make(const struct pipe_pool *pool, struct stage *s, struct rnea_error *e)
+/* Give a buffer what it needs, unless it has it. */
+static enum rnea_code buffer_make(const struct pipe_pool *pool, struct buffer *b, struct rnea_error *e)
 {
 	const struct device *d = &pool->driver->device;
 	void *locked = NULL;
 
-	if (s->stream)
+	if (b->stream)
 		return RNEA_OK;
 	/* filled, because what is copied back has gaps between its arrays; with nan, so that an output which no kernel
 	   writes is seen */
-	if (!device_alloc_host(d, pool->stage_bytes, &locked, e) && !device_alloc(d, pool->stage_bytes, &s->device, e) &&
-		!device_stream(d, &s->stream, e))
-		device_fill_nan(d, s->device, pool->stage_bytes, s->stream, e);
-	s->locked = locked;
+	if (!device_alloc_host(d, pool->buffer_bytes, &locked, e) && !device_alloc(d, pool->buffer_bytes, &b->device, e) &&
+		!device_stream(d, &b->stream, e))
+		device_fill_nan(d, b->device, pool->buffer_bytes, b->stream, e);
+	b->locked = locked;
 	if (e->code)
-		stage_free(d, s);
+		buffer_free(d, b);
 	return e->code;
 }
 
@@ -211,89 +211,89 @@ static enum rnea_code plan(struct call *c, struct rnea_error *e)
 	return RNEA_OK;
 }
 
-/* Where the slice of array i that stage `s` has lies in the program's memory, and on the device. */
-static struct device_lines lines_of(const struct call *c, const struct stage *s, size_t i)
+/* Where the slice of array i that buffer `b` has lies in the program's memory, and on the device. */
+static struct device_lines lines_of(const struct call *c, const struct buffer *b, size_t i)
 {
 	const struct rnea_argument *a = &c->pool->info->arguments[i];
 	size_t bytes = sample_bytes(a), scalar = bytes / a->rows;
-	struct device_lines l = {.host = c->arrays[i], .device = s->device + c->offsets[i], .lines = 1, .width = bytes};
+	struct device_lines l = {.host = c->arrays[i], .device = b->device + c->offsets[i], .lines = 1, .width = bytes};
 
 	if (a->per_batch)
 		return l;
 	if (c->pool->info->layout == RNEA_AOS) {
-		l.host = (char *)l.host + s->first * bytes;
-		l.width = s->count * bytes;
+		l.host = (char *)l.host + b->first * bytes;
+		l.width = b->count * bytes;
 	} else {
-		l.host = (char *)l.host + s->first * scalar;
+		l.host = (char *)l.host + b->first * scalar;
 		l.lines = a->rows;
-		l.width = s->count * scalar;
+		l.width = b->count * scalar;
 		l.host_pitch = c->count * scalar;
 	}
 	return l;
 }
 
 /* The inputs of a slice: those that are packed in one copy, the others each in its own. */
-static enum rnea_code send(const struct call *c, const struct stage *s, struct rnea_error *e)
+static enum rnea_code send(const struct call *c, const struct buffer *b, struct rnea_error *e)
 {
 	const struct device *d = &c->pool->driver->device;
-	struct device_lines packed = {.host = s->locked, .device = s->device, .lines = 1, .width = c->packed_in};
+	struct device_lines packed = {.host = b->locked, .device = b->device, .lines = 1, .width = c->packed_in};
 	struct packing packing = {.in = 1};
 
 	for (size_t i = 0; i < c->pool->info->input_count; i++) {
-		struct device_lines l = lines_of(c, s, i);
+		struct device_lines l = lines_of(c, b, i);
 
 		if (!c->direct[i])
-			packing_add(&packing, &l, s->locked + c->offsets[i]);
-		else if (device_copy_in(d, &l, s->stream, e))
+			packing_add(&packing, &l, b->locked + c->offsets[i]);
+		else if (device_copy_in(d, &l, b->stream, e))
 			return e->code;
 	}
 	packing_run(&packing, c->pool->workers);
-	return c->packed_in ? device_copy_in(d, &packed, s->stream, e) : RNEA_OK;
+	return c->packed_in ? device_copy_in(d, &packed, b->stream, e) : RNEA_OK;
 }
 
-static enum rnea_code fetch(const struct call *c, const struct stage *s, struct rnea_error *e)
+static enum rnea_code fetch(const struct call *c, const struct buffer *b, struct rnea_error *e)
 {
 	const struct device *d = &c->pool->driver->device;
-	struct device_lines packed = {.host = s->locked + c->packed_out_at,
-		.device = s->device + c->packed_out_at,
+	struct device_lines packed = {.host = b->locked + c->packed_out_at,
+		.device = b->device + c->packed_out_at,
 		.lines = 1,
 		.width = c->packed_out};
 
 	for (size_t i = c->pool->info->input_count; i < c->array_count; i++) {
-		struct device_lines l = lines_of(c, s, i);
+		struct device_lines l = lines_of(c, b, i);
 
-		if (c->direct[i] && device_copy_out(d, &l, s->stream, e))
+		if (c->direct[i] && device_copy_out(d, &l, b->stream, e))
 			return e->code;
 	}
-	return c->packed_out ? device_copy_out(d, &packed, s->stream, e) : RNEA_OK;
+	return c->packed_out ? device_copy_out(d, &packed, b->stream, e) : RNEA_OK;
 }
 
-static enum rnea_code launch(const struct call *c, const struct stage *s, struct rnea_error *e)
+static enum rnea_code launch(const struct call *c, const struct buffer *b, struct rnea_error *e)
 {
 	void *arrays[RNEA_ARGUMENT_LIMIT];
 
 	for (size_t i = 0; i < c->array_count; i++)
-		arrays[i] = (void *)(uintptr_t)(s->device + c->offsets[i]);
-	return driver_launch(c->pool->driver, 0, arrays, s->count, s->stream, e);
+		arrays[i] = (void *)(uintptr_t)(b->device + c->offsets[i]);
+	return driver_launch(c->pool->driver, 0, arrays, b->count, b->stream, e);
 }
 
-/* Wait for the slice that is under way in a stage, and unpack its outputs. */
-static enum rnea_code finish(const struct call *c, struct stage *s, struct rnea_error *e)
+/* Wait for the slice that is under way in a buffer, and unpack its outputs. */
+static enum rnea_code finish(const struct call *c, struct buffer *b, struct rnea_error *e)
 {
 	struct packing packing = {.in = 0};
 
-	if (!s->count)
+	if (!b->count)
 		return RNEA_OK;
-	if (device_wait(&c->pool->driver->device, s->stream, e))
+	if (device_wait(&c->pool->driver->device, b->stream, e))
 		return e->code;
 	for (size_t i = c->pool->info->input_count; i < c->array_count; i++) {
-		struct device_lines l = lines_of(c, s, i);
+		struct device_lines l = lines_of(c, b, i);
 
 		if (!c->direct[i])
-			packing_add(&packing, &l, s->locked + c->offsets[i]);
+			packing_add(&packing, &l, b->locked + c->offsets[i]);
 	}
 	packing_run(&packing, c->pool->workers);
-	s->count = 0;
+	b->count = 0;
 	return RNEA_OK;
 }
 
@@ -301,18 +301,18 @@ static enum rnea_code run(const struct call *c, struct pipe *p, struct rnea_erro
 {
 	int turn = 0;
 
-	for (size_t first = 0; first < c->count; first += c->slice, turn = (turn + 1) % STAGES) {
-		struct stage *s = &p->stages[turn];
+	for (size_t first = 0; first < c->count; first += c->slice, turn = (turn + 1) % BUFFERS) {
+		struct buffer *b = &p->buffers[turn];
 
-		if (stage_make(c->pool, s, e) || finish(c, s, e))
+		if (buffer_make(c->pool, b, e) || finish(c, b, e))
 			return e->code;
-		s->first = first;
-		s->count = c->count - first < c->slice ? c->count - first : c->slice;
-		if (send(c, s, e) || launch(c, s, e) || fetch(c, s, e))
+		b->first = first;
+		b->count = c->count - first < c->slice ? c->count - first : c->slice;
+		if (send(c, b, e) || launch(c, b, e) || fetch(c, b, e))
 			return e->code;
 	}
-	for (int i = 0; i < STAGES; i++, turn = (turn + 1) % STAGES)
-		if (finish(c, &p->stages[turn], e))
+	for (int i = 0; i < BUFFERS; i++, turn = (turn + 1) % BUFFERS)
+		if (finish(c, &p->buffers[turn], e))
 			return e->code;
 	return RNEA_OK;
 }
@@ -320,12 +320,12 @@ static enum rnea_code run(const struct call *c, struct pipe *p, struct rnea_erro
 /* After a failure: nothing of this call may still read or write the program's arrays or the pipe's when it returns. */
 static void settle(const struct pipe_pool *pool, struct pipe *p)
 {
-	for (int i = 0; i < STAGES; i++) {
+	for (int i = 0; i < BUFFERS; i++) {
 		struct rnea_error ignored = {0};
 
-		if (p->stages[i].count)
-			device_wait(&pool->driver->device, p->stages[i].stream, &ignored);
-		p->stages[i].count = 0;
+		if (p->buffers[i].count)
+			device_wait(&pool->driver->device, p->buffers[i].stream, &ignored);
+		p->buffers[i].count = 0;
 	}
 }
 

@@ -1,8 +1,8 @@
 #ifndef RNEA_PIPE_H
 #define RNEA_PIPE_H
-/* The first function of a text on arrays of the program's own. A batch is cut into slices; each goes through one of a few stages,
-   which have a stream, page-locked memory and device memory each: while one slice is computed, the next is packed and
-   copied in and the last is copied out. A pipe is one set of stages and serves one call at a time; a pool keeps those
+/* The first function of a text on arrays of the program's own. A batch is cut into slices; each goes through one of a few
+   buffers, which have a stream, page-locked memory and device memory each: while one slice is computed, the next is packed and
+   copied in and the last is copied out. A pipe is one set of buffers and serves one call at a time; a pool keeps those
    that are not in use. */
 
 #include "cuda/driver.h"

@@ -11,10 +11,10 @@
 enum { LOOK = 50000000, RECORD_RATIO = 10 };
 #define RECORD 1.0
 
-/* A lane and its thread; what changes is under the crew's lock. */
-struct hand {
+/* A track and its thread; what changes is under the crew's lock. */
+struct runner {
 	struct crew *crew;
-	struct eval_lane lane;
+	struct eval_track track;
 	struct rneagen_error error;
 	pthread_t thread;
 	size_t number;      /* among those of this rank */
@@ -25,41 +25,41 @@ struct hand {
 
 struct crew {
 	const struct eval_crew *c;
-	struct hand *hands;
+	struct runner *runners;
 	size_t count;  /* of them: c->count, or 0 where there is no memory for them */
-	uint64_t lane; /* the first of this rank */
+	uint64_t track; /* the first of this rank */
 	struct slices slices;
 	pthread_mutex_t lock;
-	pthread_cond_t ended; /* a lane has */
+	pthread_cond_t ended; /* a track has */
 	int stops;
 	double recorded, took; /* when a record was begun, and how long it took */
 };
 
 /* What each rank tells the others. */
 struct pulse {
-	uint64_t done, whole, busy; /* samples; those that are all written; lanes */
+	uint64_t done, whole, busy; /* samples; those that are all written; tracks */
 	uint64_t failed, syncs;     /* 1: it has; the first rank wants what is written to be on the disk */
 };
 
 _Static_assert(sizeof(struct pulse) <= RANKS_ROOM, "ranks have room for it");
 
-/* ---- lanes ---- */
+/* ---- tracks ---- */
 
-static enum rneagen_code open_lane(struct hand *h)
+static enum rneagen_code open_track(struct runner *h)
 {
 	const struct crew *w = h->crew;
 	struct rnea_options o = w->c->open;
 	struct rnea_error error;
 
-	h->lane.robot = w->c->robot;
+	h->track.robot = w->c->robot;
 	o.device = w->c->devices[h->number];
-	if (h->number && rnea_open(w->c->text, strlen(w->c->text), &o, &h->lane.robot, &error))
+	if (h->number && rnea_open(w->c->text, strlen(w->c->text), &o, &h->track.robot, &error))
 		return error_set(&h->error, RNEAGEN_UNSUPPORTED, "%s", error.message);
-	return eval_lane_open(&h->lane, w->c->arrays, w->slices.size, &h->error);
+	return eval_track_open(&h->track, w->c->arrays, w->slices.size, &h->error);
 }
 
 /* Is there another slice, now that `count` samples of the one before are done? */
-static int go_on(struct hand *h, size_t count)
+static int go_on(struct runner *h, size_t count)
 {
 	struct crew *w = h->crew;
 	int more;
@@ -76,14 +76,14 @@ static int go_on(struct hand *h, size_t count)
 
 static void *work(void *argument)
 {
-	struct hand *h = argument;
+	struct runner *h = argument;
 	struct crew *w = h->crew;
 	size_t count = 0;
 
-	if (go_on(h, 0) && !open_lane(h))
+	if (go_on(h, 0) && !open_track(h))
 		while (go_on(h, count)) {
 			count = slices_count(&w->slices, h->next);
-			if (eval_lane_do(&h->lane, h->next, count, &h->error))
+			if (eval_track_do(&h->track, h->next, count, &h->error))
 				break;
 		}
 	pthread_mutex_lock(&w->lock);
@@ -101,11 +101,11 @@ static void start(struct crew *w)
 	sigfillset(&all);
 	pthread_sigmask(SIG_SETMASK, &all, &before);
 	for (size_t i = 0; i < w->count; i++) {
-		struct hand *h = &w->hands[i];
+		struct runner *h = &w->runners[i];
 
 		h->crew = w;
 		h->number = i;
-		h->next = slices_begin(&w->slices, w->lane + i);
+		h->next = slices_begin(&w->slices, w->track + i);
 		h->is_started = pthread_create(&h->thread, NULL, work, h) == 0;
 		if (!h->is_started) {
 			error_set(&h->error, RNEAGEN_MEMORY, "no thread for device %d", w->c->devices[i]);
@@ -121,19 +121,19 @@ static void end(struct crew *w)
 	w->stops = 1;
 	pthread_mutex_unlock(&w->lock);
 	for (size_t i = 0; i < w->count; i++) {
-		struct hand *h = &w->hands[i];
+		struct runner *h = &w->runners[i];
 
 		if (h->is_started)
 			pthread_join(h->thread, NULL);
 		if (i)
-			rnea_close(h->lane.robot);
-		eval_lane_close(&h->lane);
+			rnea_close(h->track.robot);
+		eval_track_close(&h->track);
 	}
 }
 
 /* ---- the command's own thread ---- */
 
-/* Till a lane of this rank ends, or it is time to look. */
+/* Till a track of this rank ends, or it is time to look. */
 static void wait_a_while(struct crew *w)
 {
 	struct timespec till;
@@ -145,7 +145,7 @@ static void wait_a_while(struct crew *w)
 	till.tv_nsec %= 1000000000;
 	pthread_mutex_lock(&w->lock);
 	for (size_t i = 0; i < w->count; i++)
-		ended += (size_t)w->hands[i].has_ended;
+		ended += (size_t)w->runners[i].has_ended;
 	if (ended < w->count)
 		pthread_cond_timedwait(&w->ended, &w->lock, &till);
 	pthread_mutex_unlock(&w->lock);
@@ -157,7 +157,7 @@ static struct pulse look(struct crew *w, const struct rneagen_error *e)
 
 	pthread_mutex_lock(&w->lock);
 	for (size_t i = 0; i < w->count; i++) {
-		const struct hand *h = &w->hands[i];
+		const struct runner *h = &w->runners[i];
 
 		p.done += h->done;
 		p.busy += !h->has_ended;
@@ -244,21 +244,21 @@ static void record_end(struct crew *w, struct rneagen_error *e)
 		w->c->record(w->c->own, last.whole);
 }
 
-/* Number the lanes of all ranks; plan their slices. */
+/* Number the tracks of all ranks; plan their slices. */
 static void plan(struct crew *w)
 {
 	const uint64_t *all = w->c->ranks->room;
-	uint64_t mine = w->count, lanes = 0;
+	uint64_t mine = w->count, tracks = 0;
 
 	ranks_gather(w->c->ranks, &mine, sizeof mine, w->c->ranks->room);
 	for (size_t i = 0; i < w->c->ranks->count; i++) {
-		w->lane += i < w->c->ranks->index ? all[i] : 0;
-		lanes += all[i];
+		w->track += i < w->c->ranks->index ? all[i] : 0;
+		tracks += all[i];
 	}
-	w->slices = slices_plan(w->c->first, w->c->samples, lanes ? lanes : 1, w->c->slice, eval_lane_slice(w->c->arrays));
+	w->slices = slices_plan(w->c->first, w->c->samples, tracks ? tracks : 1, w->c->slice, eval_track_slice(w->c->arrays));
 }
 
-/* A rank that fails here goes on without lanes: the others wait to hear of it. */
+/* A rank that fails here goes on without tracks: the others wait to hear of it. */
 static void make(struct crew *w, struct rneagen_error *e)
 {
 	pthread_condattr_t monotonic;
@@ -268,9 +268,9 @@ static void make(struct crew *w, struct rneagen_error *e)
 	pthread_condattr_setclock(&monotonic, CLOCK_MONOTONIC);
 	pthread_cond_init(&w->ended, &monotonic);
 	pthread_condattr_destroy(&monotonic);
-	w->hands = calloc(w->c->count, sizeof *w->hands);
-	w->count = w->hands ? w->c->count : 0;
-	if (!w->hands)
+	w->runners = calloc(w->c->count, sizeof *w->runners);
+	w->count = w->runners ? w->c->count : 0;
+	if (!w->runners)
 		error_memory(e);
 }
 
@@ -287,10 +287,10 @@ int eval_crew_run(struct eval_crew *c, struct rneagen_error *e)
 	if (sum.failed)
 		record_end(&w, e);
 	for (size_t i = 0; i < w.count; i++)
-		if (w.hands[i].error.code)
-			error_set(e, w.hands[i].error.code, "%s", w.hands[i].error.message);
+		if (w.runners[i].error.code)
+			error_set(e, w.runners[i].error.code, "%s", w.runners[i].error.message);
 	pthread_cond_destroy(&w.ended);
 	pthread_mutex_destroy(&w.lock);
-	free(w.hands);
+	free(w.runners);
 	return !sum.failed;
 }

@@ -106,7 +106,7 @@ static int check_words(struct eval *v)
 	return status < 0 ? command_check_files(&v->command) : status;
 }
 
-/* ---- the stages ---- */
+/* ---- the steps ---- */
 
 /* -1, or the exit status and the message of what has failed. */
 static int tell(const struct eval *v)
@@ -295,15 +295,15 @@ static int finish(struct eval *v)
 
 /* ---- the run ---- */
 
-/* All ranks go from stage to stage together, so that one which fails ends all. */
+/* All ranks go from step to step together, so that one which fails ends all. */
 static int evaluate(struct eval *v)
 {
-	static int (*const stages[])(struct eval *) = {
+	static int (*const steps[])(struct eval *) = {
 		analyse, open_inputs, open_outputs, load, put_headers, join_outputs, compute, leave, finish};
 	int status = -1;
 
-	for (size_t i = 0; i < sizeof stages / sizeof *stages && status < 0; i++)
-		status = ranks_agree(v->command.ranks, stages[i](v));
+	for (size_t i = 0; i < sizeof steps / sizeof *steps && status < 0; i++)
+		status = ranks_agree(v->command.ranks, steps[i](v));
 	return status < 0 ? 0 : status;
 }
 

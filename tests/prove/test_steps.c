@@ -83,13 +83,13 @@ END_TEST
 
 /* ---- robots ---- */
 
-struct staged {
+struct spanned {
 	struct robot_box robot;
 	struct span *rows[DAG_ARGUMENTS];
 	int position;
 };
 
-static void stage(struct staged *x, const struct steps_case *c)
+static void spanned_open(struct spanned *x, const struct steps_case *c)
 {
 	robot_box_open(&x->robot, c->name, c->scene, 0);
 	x->position = dag_find_role(&x->robot.analysis.dag, ROLE_JOINT_POSITION, 0);
@@ -103,7 +103,7 @@ static void stage(struct staged *x, const struct steps_case *c)
 }
 
 /* A part of the box of q, in both forms. */
-static void cut(struct staged *x, struct rng *r)
+static void cut(struct spanned *x, struct rng *r)
 {
 	int rows = x->robot.analysis.dag.arguments[x->position].rows, halvings = rng_below(r, 8);
 
@@ -118,7 +118,7 @@ static void cut(struct staged *x, struct rng *r)
 }
 
 /* The bound of the single state in x->robot.in, as texts have it. */
-static double bound_there(struct staged *x, size_t output, const struct eval_model *m)
+static double bound_there(struct spanned *x, size_t output, const struct eval_model *m)
 {
 	const struct output *o = &x->robot.analysis.dag.outputs[output];
 
@@ -127,7 +127,7 @@ static double bound_there(struct staged *x, size_t output, const struct eval_mod
 }
 
 /* How many of the drawn states break what is said of a part of the box. */
-static int broken_box(struct staged *x, size_t output, struct rng *r, double wider)
+static int broken_box(struct spanned *x, size_t output, struct rng *r, double wider)
 {
 	static const enum rneagen_precision precisions[] = {RNEAGEN_F32, RNEAGEN_F64, RNEAGEN_MIXED, RNEAGEN_F32X2};
 	struct rneagen_options o = x->robot.options;
@@ -166,10 +166,10 @@ START_TEST(test_boxes)
 
 	for (int i = 0; i < BOXES * BOX_CASES; i++) {
 		const struct steps_case *c = &CASES[i % BOX_CASES];
-		struct staged x;
+		struct spanned x;
 		size_t output;
 
-		stage(&x, c);
+		spanned_open(&x, c);
 		cut(&x, &r);
 		output = (size_t)rng_below(&r, (int)x.robot.analysis.dag.output_count);
 		ck_assert_msg(broken_box(&x, output, &r, 0) == 0, "%s, %s: output %zu", c->name, c->scene, output);
@@ -183,12 +183,12 @@ END_TEST
 /* Turns keep lengths: plain spans of seven joints are far wider. */
 START_TEST(test_turns)
 {
-	struct staged x;
+	struct spanned x;
 	struct errors errors;
 	struct box_bound bound;
 	struct points p;
 
-	stage(&x, &(struct steps_case){"iiwa14", "params urdf\nrange qdd=-20,20"});
+	spanned_open(&x, &(struct steps_case){"iiwa14", "params urdf\nrange qdd=-20,20"});
 	for (size_t i = 0; i < x.robot.analysis.dag.output_count; i++) {
 		if (x.robot.analysis.dag.outputs[i].row != 0)
 			continue;
@@ -204,7 +204,7 @@ END_TEST
 /* ---- points ---- */
 
 /* The polynomial at the state in x->robot.in. */
-static double polynomial(const struct points *p, struct staged *x, double *work, double *c)
+static double polynomial(const struct points *p, struct spanned *x, double *work, double *c)
 {
 	double q[POINT_DIMS][2], a[POINT_INPUTS], v[POINT_INPUTS], sum;
 
@@ -235,12 +235,12 @@ START_TEST(test_points)
 	struct rng r = rng_seed(SEED + 2);
 
 	for (int i = 0; i < 2 * CASE_COUNT; i++) {
-		struct staged x;
+		struct spanned x;
 		struct points p;
 		size_t output;
 		double *work, *c, exact, sum;
 
-		stage(&x, &CASES[i % CASE_COUNT]);
+		spanned_open(&x, &CASES[i % CASE_COUNT]);
 		output = (size_t)rng_below(&r, (int)x.robot.analysis.dag.output_count);
 		ck_assert_int_eq(points_make(&p, &x.robot.analysis.dag, output, x.rows, x.position, &x.robot.arena), 1);
 		work = points_work(&p);
@@ -267,7 +267,7 @@ END_TEST
 /* ---- bends and grids ---- */
 
 /* The value at a state one of whose angles is moved. */
-static double moved(struct staged *x, size_t output, int row, double by)
+static double moved(struct spanned *x, size_t output, int row, double by)
 {
 	double *q = &x->robot.in[x->position][row], before = *q, value;
 
@@ -279,7 +279,7 @@ static double moved(struct staged *x, size_t output, int row, double by)
 }
 
 /* The largest second difference that drawn states have, over `bend`: 1 + a little at most where bend is true. */
-static double bent(struct staged *x, size_t output, const struct point_dim *k, double bend, struct rng *r)
+static double bent(struct spanned *x, size_t output, const struct point_dim *k, double bend, struct rng *r)
 {
 	const double h = 1e-3;
 	double most = 0;
@@ -299,7 +299,7 @@ static double bent(struct staged *x, size_t output, const struct point_dim *k, d
 	return bend > 1e-9 ? most / bend : most > 1e-3 ? (double)INFINITY : 0;
 }
 
-static double check_bends(struct staged *x, size_t output, const struct points *p, const double *bends,
+static double check_bends(struct spanned *x, size_t output, const struct points *p, const double *bends,
 	const char *name, struct rng *r)
 {
 	int all_angles = 1;
@@ -318,12 +318,12 @@ static double check_bends(struct staged *x, size_t output, const struct points *
 
 static void check_grid(const struct steps_case *c, size_t output, double seconds, struct rng *r)
 {
-	struct staged x;
+	struct spanned x;
 	struct points p;
 	struct bends_start start;
 	struct grid_step g;
 
-	stage(&x, c);
+	spanned_open(&x, c);
 	output %= x.robot.analysis.dag.output_count;
 	ck_assert_int_eq(points_make(&p, &x.robot.analysis.dag, output, x.rows, x.position, &x.robot.arena), 1);
 	ck_assert(bends_find(&start, &p, &x.robot.analysis.dag, output, x.rows, x.position));

@@ -1,4 +1,4 @@
-/* The plan of slices: each sample is in one slice of one lane, slices are no longer than asked, lanes have about as
+/* The plan of slices: each sample is in one slice of one track, slices are no longer than asked, tracks have about as
    much to do; also where numbers have 64 bits. It would catch a sample that is left out at the end, and a product that
    overflows. */
 #include "eval/slices.h"
@@ -15,8 +15,8 @@ static int covers(const struct slices *s, size_t most)
 	unsigned char seen[SAMPLES] = {0};
 	int good = 1;
 
-	for (uint64_t lane = 0; lane < s->lanes; lane++)
-		for (uint64_t at = slices_begin(s, lane); at < s->end; at = slices_next(s, at)) {
+	for (uint64_t track = 0; track < s->tracks; track++)
+		for (uint64_t at = slices_begin(s, track); at < s->end; at = slices_next(s, at)) {
 			size_t count = slices_count(s, at);
 
 			good &= count >= 1 && count <= most && at + count <= s->end;
@@ -39,28 +39,28 @@ START_TEST(test_covers)
 		size_t most = 1 + (size_t)rng_below(&r, 300), size = rng_chance(&r, 0.5) ? most : 0;
 		struct slices s = slices_plan(first, end, 1 + (uint64_t)rng_below(&r, 20), size, most);
 
-		ck_assert_msg(covers(&s, most), "%llu to %llu by %llu lanes, slices of %zu of at most %zu",
-			(unsigned long long)first, (unsigned long long)end, (unsigned long long)s.lanes, s.size, most);
+		ck_assert_msg(covers(&s, most), "%llu to %llu by %llu tracks, slices of %zu of at most %zu",
+			(unsigned long long)first, (unsigned long long)end, (unsigned long long)s.tracks, s.size, most);
 	}
 }
 END_TEST
 
-/* Where the size is not given every lane has a slice in each round, but for rounding: no lane has a slice more than its share. */
+/* Where the size is not given every track has a slice in each round, but for rounding: no track has more than its share. */
 START_TEST(test_balance)
 {
-	for (uint64_t lanes = 1; lanes < 9; lanes++)
-		for (uint64_t samples = lanes; samples < 700; samples += 1 + samples / 10) {
-			struct slices s = slices_plan(0, samples, lanes, 0, 50);
+	for (uint64_t tracks = 1; tracks < 9; tracks++)
+		for (uint64_t samples = tracks; samples < 700; samples += 1 + samples / 10) {
+			struct slices s = slices_plan(0, samples, tracks, 0, 50);
 			uint64_t slices = samples / s.size + (samples % s.size != 0),
-				rounds = (samples + 50 * lanes - 1) / (50 * lanes);
+				rounds = (samples + 50 * tracks - 1) / (50 * tracks);
 
-			ck_assert_uint_le(slices, rounds * lanes);
-			ck_assert_uint_ge(s.size * rounds * lanes, samples);
+			ck_assert_uint_le(slices, rounds * tracks);
+			ck_assert_uint_ge(s.size * rounds * tracks, samples);
 		}
 }
 END_TEST
 
-/* 2^60 samples from 2^59 on, 4096 lanes: the first and the last slices. */
+/* 2^60 samples from 2^59 on, 4096 tracks: the first and the last slices. */
 START_TEST(test_wide)
 {
 	uint64_t end = UINT64_C(1) << 60, first = UINT64_C(1) << 59;

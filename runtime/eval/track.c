@@ -1,4 +1,4 @@
-#include "eval/lane.h"
+#include "eval/track.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -6,7 +6,7 @@ enum { SLICE_BYTES = 64 << 20 };
 
 /* ---- room ---- */
 
-size_t eval_lane_slice(const struct eval_arrays *a)
+size_t eval_track_slice(const struct eval_arrays *a)
 {
 	size_t bytes = 0;
 
@@ -26,7 +26,7 @@ static void *alloc(const struct eval_arrays *a, size_t samples, size_t rows, str
 }
 
 /* What was left out is what the URDF says. */
-static void fill(struct eval_lane *l, size_t i, size_t samples)
+static void fill(struct eval_track *l, size_t i, size_t samples)
 {
 	const struct signature_array *s = &l->arrays->s->arrays[i];
 
@@ -40,7 +40,7 @@ static void fill(struct eval_lane *l, size_t i, size_t samples)
 	}
 }
 
-static enum rneagen_code open_array(struct eval_lane *l, size_t i, struct rneagen_error *e)
+static enum rneagen_code open_array(struct eval_track *l, size_t i, struct rneagen_error *e)
 {
 	const struct eval_arrays *a = l->arrays;
 	const struct signature_array *s = &a->s->arrays[i];
@@ -61,7 +61,7 @@ static enum rneagen_code open_array(struct eval_lane *l, size_t i, struct rneage
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code eval_lane_open(struct eval_lane *l, const struct eval_arrays *a, size_t slice, struct rneagen_error *e)
+enum rneagen_code eval_track_open(struct eval_track *l, const struct eval_arrays *a, size_t slice, struct rneagen_error *e)
 {
 	size_t rows = 0, outputs = 0;
 
@@ -80,7 +80,7 @@ enum rneagen_code eval_lane_open(struct eval_lane *l, const struct eval_arrays *
 	return e->code;
 }
 
-void eval_lane_close(struct eval_lane *l)
+void eval_track_close(struct eval_track *l)
 {
 	npy_close(&l->all);
 	for (size_t i = 0; i < DAG_ARGUMENTS; i++) {
@@ -92,7 +92,7 @@ void eval_lane_close(struct eval_lane *l)
 
 /* ---- slices ---- */
 
-static enum rneagen_code read_file(struct eval_lane *l, struct npy *n, uint64_t at, size_t count,
+static enum rneagen_code read_file(struct eval_track *l, struct npy *n, uint64_t at, size_t count,
 	const struct npy_part *parts, size_t part_count, struct rneagen_error *e)
 {
 	if (n->regular)
@@ -100,7 +100,7 @@ static enum rneagen_code read_file(struct eval_lane *l, struct npy *n, uint64_t 
 	return npy_read(n, count, l->arrays->scalar, parts, part_count, e);
 }
 
-static enum rneagen_code read_slice(struct eval_lane *l, uint64_t at, size_t count, struct rneagen_error *e)
+static enum rneagen_code read_slice(struct eval_track *l, uint64_t at, size_t count, struct rneagen_error *e)
 {
 	const struct eval_arrays *a = l->arrays;
 	struct npy_part parts[DAG_ARGUMENTS];
@@ -122,7 +122,7 @@ static enum rneagen_code read_slice(struct eval_lane *l, uint64_t at, size_t cou
 }
 
 /* The outputs of each sample after one another; one alone is so already. */
-static const void *gather(struct eval_lane *l, size_t count)
+static const void *gather(struct eval_track *l, size_t count)
 {
 	const struct eval_arrays *a = l->arrays;
 	size_t width = a->joined.rows * eval_scalar_size(a), at = 0;
@@ -142,7 +142,7 @@ static const void *gather(struct eval_lane *l, size_t count)
 }
 
 static enum rneagen_code write_array(
-	const struct eval_lane *l, const struct eval_sink *s, const void *data, uint64_t at, size_t count,
+	const struct eval_track *l, const struct eval_sink *s, const void *data, uint64_t at, size_t count,
 	struct rneagen_error *e)
 {
 	size_t size = s->rows * eval_scalar_size(l->arrays);
@@ -154,7 +154,7 @@ static enum rneagen_code write_array(
 	return RNEAGEN_OK;
 }
 
-enum rneagen_code eval_lane_do(struct eval_lane *l, uint64_t first, size_t count, struct rneagen_error *e)
+enum rneagen_code eval_track_do(struct eval_track *l, uint64_t first, size_t count, struct rneagen_error *e)
 {
 	const struct eval_arrays *a = l->arrays;
 	struct rnea_error error;
