@@ -9,25 +9,20 @@ import tempfile
 from array import array
 from pathlib import Path
 
+sys.dont_write_bytecode = True
+sys.path.append(str(Path(__file__).parents[1] / "support"))
+from checks import ALL, check, finish
+
 RNEARUN, RNEARUN_MPI = sys.argv[1:3]
 ROBOTS = Path(__file__).parents[1] / "robots"
 PENDULUM, PANDA = (str(ROBOTS / f"{name}.urdf") for name in ("pendulum", "panda"))
-ALL = os.environ.get("RNEAGEN_ALL", "0") not in ("", "0")
 HEADER = 128
-failed = 0
 
 # Open MPI starts as root, and more ranks than there are cores, only where it is told to (the last: Open MPI 5)
 os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1", OMPI_MCA_rmaps_base_oversubscribe="1",
                   PRTE_MCA_rmaps_default_mapping_policy=":oversubscribe", OMPI_MCA_hwloc_base_binding_policy="none")
 # libraries of MPI keep what they have taken
 os.environ["ASAN_OPTIONS"] = "detect_leaks=0"
-
-
-def check(condition, what):
-    global failed
-    if not condition:
-        failed += 1
-        print("FAILED:", what)
 
 
 def skip_without_mpi():
@@ -49,7 +44,7 @@ def in_folder(tests):
         for test in tests:
             test()
         os.chdir("..")
-    sys.exit(1 if failed else 0)
+    finish()
 
 
 def put_header(f, samples, columns, f32=False):

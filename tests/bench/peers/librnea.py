@@ -5,7 +5,7 @@ from ctypes import POINTER, c_char_p, c_double, c_int, c_size_t, c_uint, c_void_
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "examples"))
-from torch_call import FUNCTIONS, RNEA_AOS, RNEA_F32, rnea_argument, rnea_error, rnea_info, rnea_options
+from torch_call import FUNCTIONS, rnea_error, rnea_info, rnea_options
 
 RNEA_BACKEND_CUDA, RNEA_BACKEND_HOST = 1, 2
 KERNELS = ("rnea", "fpass", "bpass")

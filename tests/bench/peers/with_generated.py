@@ -2,7 +2,6 @@
 """The generated code through librnea: kernels compiled at run time (--routes cuda) and by nvcc (ahead), at several sizes of
 a block (blocks), from the program's own arrays (host_arrays), and on the processor by 1, 2, ... threads (host)."""
 import ctypes
-import os
 import tempfile
 import time
 from pathlib import Path
@@ -12,7 +11,6 @@ import numpy as np
 import gpu
 import librnea
 import measure
-from spatial import FUNCTIONS
 
 BLOCKS = (32, 64, 128, 256, 512, 1024)
 NEXT = 5  # seconds that are kept for each route that follows

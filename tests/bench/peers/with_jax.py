@@ -13,7 +13,7 @@ import jax.numpy as jnp
 import numpy as np
 
 import straight
-from spatial import FUNCTIONS, Spatial
+from spatial import Spatial
 
 jax.config.update("jax_enable_x64", True)
 jax.config.update("jax_default_matmul_precision", "highest")  # no TF32, which would cost ten bits
