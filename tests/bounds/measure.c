@@ -44,15 +44,6 @@ struct measured {
 	struct figures evaluated, own;  /* by eval_bound; by the text itself */
 };
 
-static double norm(int n, const double *x)
-{
-	double sum = 0;
-
-	for (int i = 0; i < n; i++)
-		sum += x[i] * x[i];
-	return sqrt(sum);
-}
-
 static struct figures figures_new(int nv)
 {
 	return (struct figures){.ratio = numbers_new(SAMPLES, sizeof(double)), .row = numbers_new(nv, sizeof(double))};
@@ -110,7 +101,7 @@ static void run(struct measured *x)
 static void take(struct measured *x, struct figures *f, const double *bound)
 {
 	int n = x->text.nv;
-	double error = norm(n, x->of), of_all = norm(n, bound);
+	double error = numbers_norm(n, x->of), of_all = numbers_norm(n, bound);
 
 	for (int i = 0; i < n; i++) {
 		if (!(x->of[i] <= bound[i] + 0x1p-100 * x->text.noise[i]))
@@ -138,8 +129,8 @@ static void add_sample(struct measured *x, const struct eval_model *m)
 		x->row[i] = fmax(x->row[i], x->of[i]);
 		bound[i] = fabs((double)t->reference[i]);
 	}
-	x->size = norm(t->nv, bound);
-	x->error = fmax(x->error, norm(t->nv, x->of) / x->size);
+	x->size = numbers_norm(t->nv, bound);
+	x->error = fmax(x->error, numbers_norm(t->nv, x->of) / x->size);
 	take(x, &x->evaluated, t->eval);
 	for (int i = 0; i < t->nv && (x->wide || x->single); i++)
 		bound[i] = array_get(&x->bound, (size_t)i);

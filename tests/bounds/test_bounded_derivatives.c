@@ -106,11 +106,11 @@ static void fixture_open(struct fixture *x, const struct robot_file *robot, cons
 	ck_assert(varied_open(&x->v, urdf, &o, SEED, "", robot->name));
 	compile(x, urdf, &o);
 	for (int i = 0; i < OUTPUTS; i++) {
-		x->out_f32[i] = varied_numbers(varied_rows(&x->v, i), sizeof(float));
-		x->again[i] = varied_numbers(varied_rows(&x->v, i), sizeof(double));
+		x->out_f32[i] = numbers_new(varied_rows(&x->v, i), sizeof(float));
+		x->again[i] = numbers_new(varied_rows(&x->v, i), sizeof(double));
 	}
-	x->bounds = varied_numbers(varied_rows(&x->v, MASS) * OUTPUTS, sizeof(double));
-	x->bound_f32 = varied_numbers(varied_rows(&x->v, MASS) * OUTPUTS, sizeof(float));
+	x->bounds = numbers_new(varied_rows(&x->v, MASS) * OUTPUTS, sizeof(double));
+	x->bound_f32 = numbers_new(varied_rows(&x->v, MASS) * OUTPUTS, sizeof(float));
 	free(urdf);
 }
 
@@ -207,7 +207,7 @@ START_TEST(bounds_hold)
 	/* each kind with one robot, in turn, unless all is asked for */
 	if (!exhaustive() && _i % ROBOT_COUNT != _i / ROBOT_COUNT * 2 % ROBOT_COUNT)
 		return;
-	x = varied_numbers(1, sizeof *x);
+	x = numbers_new(1, sizeof *x);
 	fixture_open(x, &ROBOTS[_i % ROBOT_COUNT], &KINDS[_i / ROBOT_COUNT]);
 	for (int k = 0; k < SAMPLES; k++) {
 		varied_draw(&x->v);
@@ -228,7 +228,7 @@ END_TEST
 /* What is not finite makes no finite bound. */
 START_TEST(no_bound)
 {
-	struct fixture *x = varied_numbers(1, sizeof *x);
+	struct fixture *x = numbers_new(1, sizeof *x);
 
 	fixture_open(x, &ROBOTS[0], &KINDS[_i]);
 	varied_draw(&x->v);

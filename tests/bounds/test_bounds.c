@@ -2,6 +2,7 @@
    worst its model allows, with signs by chance; both against the reference in quad precision. */
 #include "support/model.h"
 #include "hard/quad.h"
+#include "support/numbers.h"
 #include "support/suite.h"
 #include "worst.h"
 #include <math.h>
@@ -44,14 +45,6 @@ struct fixture {
 	__float128 *reference;
 };
 
-static void *numbers(int n, size_t size)
-{
-	void *p = calloc((size_t)n + 1, size);
-
-	ck_assert_ptr_nonnull(p);
-	return p;
-}
-
 static void fixture_open(struct fixture *x, const char *path, const char *name, int floating)
 {
 	struct rneagen_options o = rneagen_options_default();
@@ -69,16 +62,16 @@ static void fixture_open(struct fixture *x, const char *path, const char *name, 
 	free(urdf);
 	nq = x->model.tree.nq;
 	nv = x->model.tree.nv;
-	x->q = numbers(nq, sizeof(double));
-	x->qd = numbers(nv, sizeof(double));
-	x->qdd = numbers(nv, sizeof(double));
-	x->bound = numbers(nv, sizeof(double));
-	x->tau = numbers(nv, sizeof(double));
-	x->noise = numbers(nv, sizeof(double));
+	x->q = numbers_new(nq, sizeof(double));
+	x->qd = numbers_new(nv, sizeof(double));
+	x->qdd = numbers_new(nv, sizeof(double));
+	x->bound = numbers_new(nv, sizeof(double));
+	x->tau = numbers_new(nv, sizeof(double));
+	x->noise = numbers_new(nv, sizeof(double));
 	for (int i = 0; i < 3; i++)
-		x->in_f32[i] = numbers(i ? nv : nq, sizeof(float));
-	x->tau_f32 = numbers(nv, sizeof(float));
-	x->reference = numbers(nv, sizeof(__float128));
+		x->in_f32[i] = numbers_new(i ? nv : nq, sizeof(float));
+	x->tau_f32 = numbers_new(nv, sizeof(float));
+	x->reference = numbers_new(nv, sizeof(__float128));
 }
 
 static void fixture_close(struct fixture *x)

@@ -163,7 +163,7 @@ static void start(void)
 {
 	for (int i = 0; i < VARIANT_COUNT; i++)
 		for (int o = 0; o < OUTPUTS; o++)
-			VARIANTS[i].ratios[o] = varied_numbers(RATIOS, sizeof(float));
+			VARIANTS[i].ratios[o] = numbers_new(RATIOS, sizeof(float));
 }
 
 /* ---- robots ---- */
@@ -192,7 +192,7 @@ static int check_tree(uint64_t seed)
 {
 	struct rneagen_options o = rneagen_options_default();
 	char *urdf = torque_robot(seed, LINKS, NO_ODD_NAMES | (seed % 4 ? 0 : ALWAYS_MIMIC)), lock[300] = "", what[64];
-	struct varied *x = varied_numbers(1, sizeof *x);
+	struct varied *x = numbers_new(1, sizeof *x);
 	int held = -1, opened;
 	double at = 0;
 
@@ -229,7 +229,7 @@ END_TEST
 
 static int check_case(const struct hard_case *c)
 {
-	struct varied *x = varied_numbers(1, sizeof *x);
+	struct varied *x = numbers_new(1, sizeof *x);
 	struct hard h;
 	int opened;
 

@@ -8,14 +8,6 @@
 static const char WANTS[] = "want tau,dtau_dq,dtau_dqd,M\ndense\n";
 static const char *const STATES[STATE] = {"q", "qd", "qdd"}, *const NAMES[OUTPUTS] = {"tau", "dtau_dq", "dtau_dqd", "M"};
 
-void *varied_numbers(int n, size_t size)
-{
-	void *p = calloc((size_t)n + 1, size);
-
-	ck_assert_ptr_nonnull(p);
-	return p;
-}
-
 static void number_arguments(struct varied *x)
 {
 	const struct dag *d = &x->model.dag;
@@ -46,14 +38,14 @@ static void open_rows(struct varied *x)
 		for (int k = 0; k < x->model.tree.joints[i].nv; k++)
 			x->v_row[x->model.tree.joints[i].iv + k] = x->table->joints[entry_of(x, i)].iv + k;
 	for (int o = 0; o < OUTPUTS; o++) {
-		x->whole_of[o] = varied_numbers(whole * whole, sizeof(__float128));
-		x->want[o] = varied_numbers(nv * nv, sizeof(__float128));
-		x->exact[o] = varied_numbers(nv * nv, sizeof(__float128));
-		x->got[o] = varied_numbers(nv * nv, sizeof(double));
-		x->bound[o] = varied_numbers(nv * nv, sizeof(double));
-		x->got_f32[o] = varied_numbers(nv * nv, sizeof(float));
+		x->whole_of[o] = numbers_new(whole * whole, sizeof(__float128));
+		x->want[o] = numbers_new(nv * nv, sizeof(__float128));
+		x->exact[o] = numbers_new(nv * nv, sizeof(__float128));
+		x->got[o] = numbers_new(nv * nv, sizeof(double));
+		x->bound[o] = numbers_new(nv * nv, sizeof(double));
+		x->got_f32[o] = numbers_new(nv * nv, sizeof(float));
 	}
-	x->size = varied_numbers((int)x->model.dag.output_count, sizeof(double));
+	x->size = numbers_new((int)x->model.dag.output_count, sizeof(double));
 	number_arguments(x);
 }
 

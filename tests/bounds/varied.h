@@ -4,6 +4,7 @@
    precision, and by central differences of the reference in quad precision. */
 
 #include "hard/quad.h"
+#include "support/numbers.h"
 #include "support/scene_model.h"
 
 enum { TAU, DQ, DQD, MASS, OUTPUTS };
@@ -59,8 +60,5 @@ double varied_half_units(const struct varied *x, int output, int row);
 
 /* How many rows an output has. */
 int varied_rows(const struct varied *x, int output);
-
-/* Room for n, zeros. */
-void *varied_numbers(int n, size_t size);
 
 #endif

@@ -2,6 +2,7 @@
 #include "bench.h"
 #include "plan/plan.h"
 #include "quad.h"
+#include "support/numbers.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,27 +28,18 @@ struct bench {
 	double largest_error, largest_bound;
 };
 
-static void *numbers(int count, size_t size)
-{
-	void *p = calloc((size_t)count + 1, size);
-
-	if (!p)
-		abort();
-	return p;
-}
-
 static struct trial trial_new(int nq, int nv)
 {
-	struct trial t = {.q = numbers(nq, sizeof(double)), .qd = numbers(nv, sizeof(double)),
-		.qdd = numbers(nv, sizeof(double)), .tau = numbers(nv, sizeof(double)), .size = numbers(nv, sizeof(double)),
-		.bound = numbers(nv, sizeof(double)), .noise = numbers(nv, sizeof(double)),
-		.terms = numbers(2 * nv, sizeof(double)), .tau_f32 = numbers(nv, sizeof(float)),
-		.reference = numbers(nv, sizeof(__float128)), .exact = numbers(nv, sizeof(__float128)),
-		.rounded = numbers(nv, sizeof(__float128))};
+	struct trial t = {.q = numbers_new(nq, sizeof(double)), .qd = numbers_new(nv, sizeof(double)),
+		.qdd = numbers_new(nv, sizeof(double)), .tau = numbers_new(nv, sizeof(double)), .size = numbers_new(nv, sizeof(double)),
+		.bound = numbers_new(nv, sizeof(double)), .noise = numbers_new(nv, sizeof(double)),
+		.terms = numbers_new(2 * nv, sizeof(double)), .tau_f32 = numbers_new(nv, sizeof(float)),
+		.reference = numbers_new(nv, sizeof(__float128)), .exact = numbers_new(nv, sizeof(__float128)),
+		.rounded = numbers_new(nv, sizeof(__float128))};
 
 	for (int i = 0; i < 3; i++) {
-		t.in_f32[i] = numbers(i ? nv : nq, sizeof(float));
-		t.in_quad[i] = numbers(i ? nv : nq, sizeof(__float128));
+		t.in_f32[i] = numbers_new(i ? nv : nq, sizeof(float));
+		t.in_quad[i] = numbers_new(i ? nv : nq, sizeof(__float128));
 	}
 	return t;
 }
@@ -67,7 +59,7 @@ static void round_constants(struct bench *b)
 	const struct dag *d = &b->hard.model.dag[PASS_RNEA];
 
 	b->rounded = *d;
-	b->rounded.nodes = numbers((int)d->count, sizeof *d->nodes);
+	b->rounded.nodes = numbers_new((int)d->count, sizeof *d->nodes);
 	memcpy(b->rounded.nodes, d->nodes, d->count * sizeof *d->nodes);
 	for (size_t i = 0; i < d->count; i++) {
 		struct node *n = &b->rounded.nodes[i];
@@ -151,7 +143,7 @@ static double norm(const double *x, int n)
 
 static double norm_quad(const __float128 *a, const __float128 *b, int n)
 {
-	double *off = numbers(n, sizeof *off), size;
+	double *off = numbers_new(n, sizeof *off), size;
 
 	for (int i = 0; i < n; i++)
 		off[i] = distance(a[i], b ? b[i] : 0);
@@ -186,7 +178,7 @@ static void judge_torque(const struct bench *b, int i, struct outcome *o)
 static void judge_sample(struct bench *b, struct outcome *o)
 {
 	struct trial *t = &b->trial;
-	__float128 *tau = numbers(b->nv, sizeof *tau);
+	__float128 *tau = numbers_new(b->nv, sizeof *tau);
 	double size = norm_quad(t->reference, NULL, b->nv), bound = norm(t->bound, b->nv), off;
 
 	for (int i = 0; i < b->nv; i++) {
@@ -223,7 +215,7 @@ static void bench_open(struct bench *b, const struct hard_case *c)
 	b->nq = b->hard.model.tree.nq;
 	b->nv = b->hard.model.tree.nv;
 	b->trial = trial_new(b->nq, b->nv);
-	b->ratios = numbers(c->samples, sizeof *b->ratios);
+	b->ratios = numbers_new(c->samples, sizeof *b->ratios);
 	b->quad = quad_open(
 		b->hard.urdf, b->hard.length, c->floating, 0, QUAD_DECIMALS, b->hard.options.gravity, NULL,
 		message, sizeof message);

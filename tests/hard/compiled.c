@@ -2,14 +2,6 @@
 #include <check.h>
 #include <stdlib.h>
 
-void *numbers_new(int n, size_t size)
-{
-	void *p = calloc((size_t)n + 1, size);
-
-	ck_assert_ptr_nonnull(p);
-	return p;
-}
-
 static void open_arrays(struct compiled *x)
 {
 	for (int i = 0; i < 3; i++) {

@@ -4,6 +4,7 @@
 
 #include "cases.h"
 #include "quad.h"
+#include "support/numbers.h"
 #include "target/target.h"
 
 struct compiled {
@@ -30,8 +31,5 @@ void compiled_set(struct compiled *x);
 
 /* The reference's torques of the state, and what is summed for them. */
 void compiled_refer(struct compiled *x);
-
-/* n of them, zero, freed by the caller; the test fails where memory runs out. */
-void *numbers_new(int n, size_t size);
 
 #endif

@@ -2,6 +2,7 @@
    trees. They differ by no more than rounding in extended precision. */
 #define _POSIX_C_SOURCE 200809L
 #include "quad.h"
+#include "support/numbers.h"
 #include "support/random_robot.h"
 #include "support/read.h"
 #include "reference/reference.h"
@@ -22,20 +23,12 @@ struct tally {
 	int finer;
 };
 
-static void *numbers(int n, size_t size)
-{
-	void *p = calloc((size_t)n + 1, size);
-
-	ck_assert_ptr_nonnull(p);
-	return p;
-}
-
 static void compare(struct reference *r, struct quad *x, struct rng *rng, const char *what, struct tally *t)
 {
-	double *q = numbers(r->nq, sizeof *q), *qd = numbers(r->nv, sizeof *qd), *qdd = numbers(r->nv, sizeof *qdd);
-	double *size = numbers(r->nv, sizeof *size);
-	__float128 *exact = numbers(r->nv, sizeof *exact);
-	wide *tau = numbers(r->nv, sizeof *tau);
+	double *q = numbers_new(r->nq, sizeof *q), *qd = numbers_new(r->nv, sizeof *qd), *qdd = numbers_new(r->nv, sizeof *qdd);
+	double *size = numbers_new(r->nv, sizeof *size);
+	__float128 *exact = numbers_new(r->nv, sizeof *exact);
+	wide *tau = numbers_new(r->nv, sizeof *tau);
 
 	reference_sample(r, rng, false, q, qd, qdd);
 	reference_rnea(r, q, qd, qdd, tau);

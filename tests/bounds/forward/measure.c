@@ -2,6 +2,7 @@
    build/tests/qdd_bound_measure FOLDER... >tests/bounds/forward/qdd_bound.md, with folders of robots. */
 #include "forward_eval.h"
 #include "plan/plan.h"
+#include "support/numbers.h"
 #include "support/read.h"
 #include "support/suite.h"
 #include <math.h>
@@ -24,19 +25,10 @@ struct figures {
 	double *bound, error; /* of the norm; the largest */
 };
 
-static double norm(int n, const double *x)
-{
-	double sum = 0;
-
-	for (int i = 0; i < n; i++)
-		sum += x[i] * x[i];
-	return sqrt(sum);
-}
-
 static void add_sample(struct figures *f, struct forward_eval *x, int is_referred)
 {
 	int n = x->solved.nv;
-	double error[FORWARD_ROWS], size = norm(n, x->qdd), bound = norm(n, x->bound);
+	double error[FORWARD_ROWS], size = numbers_norm(n, x->qdd), bound = numbers_norm(n, x->bound);
 
 	f->samples++;
 	if (!isfinite(bound)) {
@@ -47,7 +39,7 @@ static void add_sample(struct figures *f, struct forward_eval *x, int is_referre
 	for (int i = 0; i < n && is_referred; i++)
 		error[i] = (double)fabsq((__float128)x->qdd[i] - x->want[i]);
 	if (is_referred)
-		f->error = fmax(f->error, norm(n, error) / size);
+		f->error = fmax(f->error, numbers_norm(n, error) / size);
 }
 
 static int compare(const void *a, const void *b)

@@ -1,17 +1,10 @@
 #include "solved.h"
 #include "reference/read.h"
+#include "support/numbers.h"
 #include <check.h>
 #include <quadmath.h>
 #include <stdlib.h>
 #include <string.h>
-
-static __float128 *numbers(int n)
-{
-	__float128 *x = calloc((size_t)n + 1, sizeof *x);
-
-	ck_assert_ptr_nonnull(x);
-	return x;
-}
 
 /* The file's friction, as it is read for the reference too. */
 static void read_friction(struct solved *x, const char *urdf)
@@ -41,14 +34,14 @@ void solved_open(struct solved *x, const char *urdf, int floating, __float128 wi
 	quad_set_gravity(x->quad, (__float128[]){0, 0, -9.81Q});
 	x->nq = x->table->nq;
 	x->nv = x->table->nv;
-	x->M = numbers(x->nv * x->nv);
-	x->rhs = numbers(x->nv);
-	x->unit = numbers(x->nv);
-	x->bias = numbers(x->nv);
-	x->friction = numbers(x->nv);
-	x->armature = numbers(x->nv);
+	x->M = numbers_new(x->nv * x->nv, sizeof(__float128));
+	x->rhs = numbers_new(x->nv, sizeof(__float128));
+	x->unit = numbers_new(x->nv, sizeof(__float128));
+	x->bias = numbers_new(x->nv, sizeof(__float128));
+	x->friction = numbers_new(x->nv, sizeof(__float128));
+	x->armature = numbers_new(x->nv, sizeof(__float128));
 	for (int i = 0; i < 3; i++)
-		x->wide[i] = numbers(x->nq);
+		x->wide[i] = numbers_new(x->nq, sizeof(__float128));
 	if (width > 0)
 		read_friction(x, urdf);
 	for (int j = 0; j < x->table->nj; j++)

@@ -5,6 +5,7 @@
 #include "forward_eval.h"
 #include "support/exhaustive.h"
 #include "plan/plan.h"
+#include "support/numbers.h"
 #include "support/read.h"
 #include "support/random_robot.h"
 #include "support/suite.h"
@@ -26,15 +27,6 @@ struct tally {
 	double worst, over, norm;
 };
 
-static double norm(int n, const double *x)
-{
-	double sum = 0;
-
-	for (int i = 0; i < n; i++)
-		sum += x[i] * x[i];
-	return sqrt(sum);
-}
-
 static void judge(const struct forward_eval *x, struct tally *t, const char *what)
 {
 	int n = x->solved.nv, is_finite = 1;
@@ -51,8 +43,8 @@ static void judge(const struct forward_eval *x, struct tally *t, const char *wha
 	t->samples++;
 	t->finite += is_finite;
 	if (is_finite) {
-		t->over += log(norm(n, x->bound) / (norm(n, error) + 1e-300));
-		t->norm = fmax(t->norm, norm(n, x->bound) / norm(n, x->qdd));
+		t->over += log(numbers_norm(n, x->bound) / (numbers_norm(n, error) + 1e-300));
+		t->norm = fmax(t->norm, numbers_norm(n, x->bound) / numbers_norm(n, x->qdd));
 	}
 }
 
