@@ -8,12 +8,6 @@
 #include "dynamics/tour.h"
 #include "tree/lumps.h"
 
-/* dV + 2 w x V, the acceleration that sliding at V adds in a frame that turns with w */
-static struct svec slide_acceleration(struct dag *d, struct svec w, struct svec V, struct svec dV)
-{
-	return svec_add(d, dV, svec_scale(d, dag_const(d, 2), svec_cross(d, w, V)));
-}
-
 /* A driver's torque is complete when its followers' are added; all others when their body is left. */
 static int torque_waits(const struct tree *t, int index)
 {
@@ -55,13 +49,13 @@ static void move(const struct tour *r, int index, const struct frame *parent, st
 	v = smat_mul_transposed(d, &at->R, svec_add(d, from->v, svec_cross(d, from->w, at->p)));
 	a = smat_mul_transposed(d, &at->R, svec_add(d, from->a, smat_mul(d, &from->U, at->p)));
 	v = svec_add(d, v, m.V0);
-	a = svec_add(d, a, slide_acceleration(d, w, m.V0, m.dV0));
+	a = svec_add(d, a, motion_slide(d, w, m.V0, m.dV0));
 	/* into the body's */
 	w = joint_into(d, k, at, w);
 	to->w = svec_add(d, w, m.W);
 	to->dw = svec_add(d, joint_into(d, k, at, dw), svec_add(d, m.dW, svec_cross(d, w, m.W)));
 	to->v = svec_add(d, joint_into(d, k, at, v), m.V);
-	to->a = svec_add(d, joint_into(d, k, at, a), slide_acceleration(d, w, m.V, m.dV));
+	to->a = svec_add(d, joint_into(d, k, at, a), motion_slide(d, w, m.V, m.dV));
 	ease(r, index, &to->dw);
 	to->U = motion_rate_matrix(d, to->w, to->dw);
 	svec_tag(d, to->w, "w", k->number);
@@ -80,8 +74,8 @@ struct svec tour_acceleration(const struct tour *r, int body, struct svec from)
 	struct svec w = smat_mul_transposed(d, &at->R, parent->w);
 	struct svec a = smat_mul_transposed(d, &at->R, svec_add(d, from, smat_mul(d, &parent->U, at->p)));
 
-	a = svec_add(d, a, slide_acceleration(d, w, m.V0, m.dV0));
-	return svec_add(d, joint_into(d, k, at, a), slide_acceleration(d, joint_into(d, k, at, w), m.V, m.dV));
+	a = svec_add(d, a, motion_slide(d, w, m.V0, m.dV0));
+	return svec_add(d, joint_into(d, k, at, a), motion_slide(d, joint_into(d, k, at, w), m.V, m.dV));
 }
 
 struct svec tour_origin_rate(const struct tour *r, int body)

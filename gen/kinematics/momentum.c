@@ -9,12 +9,6 @@
    m p' and m p'' it moves as that does, P has w x H, and F has U H. */
 #include "kinematics/centroid.h"
 
-/* 2 w x V + dV: what sliding at V adds to an acceleration in a frame that turns with w */
-static struct svec slide_rate(struct dag *d, struct svec w, struct svec V, struct svec dV)
-{
-	return svec_add(d, dV, svec_scale(d, dag_const(d, 2), svec_cross(d, w, V)));
-}
-
 /* Of the body's origin along the joint's own axes: velocity and acceleration, in the parent's axes. */
 static void slide(const struct kinematics *x, int body, struct svec w, struct svec *rate, struct svec *second)
 {
@@ -25,8 +19,8 @@ static void slide(const struct kinematics *x, int body, struct svec w, struct sv
 
 	w = smat_mul_transposed(d, &at->R, w);
 	*rate = smat_mul(d, &at->R, svec_add(d, m.V0, joint_out_of(d, k, at, m.V)));
-	*second = svec_add(d, slide_rate(d, w, m.V0, m.dV0),
-		joint_out_of(d, k, at, slide_rate(d, joint_into(d, k, at, w), m.V, m.dV)));
+	*second = svec_add(d, motion_slide(d, w, m.V0, m.dV0),
+		joint_out_of(d, k, at, motion_slide(d, joint_into(d, k, at, w), m.V, m.dV)));
 	*second = smat_mul(d, &at->R, *second);
 }
 

@@ -15,6 +15,11 @@ struct smat motion_rate_matrix(struct dag *d, struct svec w, struct svec dw)
 	return U;
 }
 
+struct svec motion_slide(struct dag *d, struct svec w, struct svec V, struct svec dV)
+{
+	return svec_add(d, dV, svec_scale(d, dag_const(d, 2), svec_cross(d, w, V)));
+}
+
 /* With the products of w that U has already:
    n_i = I_ii dw_i + (I_kk - I_jj) w_j w_k - I_ij U_ki + I_ik U_ji + I_jk (w_j^2 - w_k^2) */
 struct svec rigid_body_moment(struct dag *d, const struct inertia *I, const struct motion *x)

@@ -14,6 +14,9 @@ struct motion {
 /* That U of w and dw. */
 struct smat motion_rate_matrix(struct dag *d, struct svec w, struct svec dw);
 
+/* dV + 2 w x V: what sliding at V adds to an acceleration in a frame that turns with w. */
+struct svec motion_slide(struct dag *d, struct svec w, struct svec V, struct svec dV);
+
 /* The ten inertial parameters as expressions: the tree's, and what inputs add to them. */
 struct parameters {
 	struct ref mass, I[6]; /* xx xy xz yy yz zz about the origin */
