@@ -186,7 +186,7 @@ static const char *name_value(struct planner *b, size_t i, unsigned *temporaries
 	return taken;
 }
 
-static void add_line(struct plan *p, enum line_kind kind, struct ref value, size_t index)
+void plan_add_line(struct plan *p, enum line_kind kind, struct ref value, size_t index)
 {
 	p->lines[p->line_count++] = (struct line){kind, value, index};
 }
@@ -199,9 +199,9 @@ static void add_value(struct planner *b, size_t i)
 	if (op == OP_SIN || op == OP_COS) {
 		partner = plan_partner(b->p, me, op == OP_SIN ? OP_COS : OP_SIN);
 		if (!partner.i || partner.i > i)
-			add_line(b->p, LINE_SINCOS, me, 0);
+			plan_add_line(b->p, LINE_SINCOS, me, 0);
 	} else {
-		add_line(b->p, op == OP_INPUT ? LINE_INPUT : LINE_VALUE, me, 0);
+		plan_add_line(b->p, op == OP_INPUT ? LINE_INPUT : LINE_VALUE, me, 0);
 	}
 }
 
@@ -223,7 +223,7 @@ static void add_stretch(struct planner *b, struct stretch first, struct stretch 
 		if (b->named[i])
 			add_value(b, i);
 	for (size_t i = first.output; i < end.output; i++)
-		add_line(b->p, LINE_STORE, b->d->outputs[i].value, i);
+		plan_add_line(b->p, LINE_STORE, b->d->outputs[i].value, i);
 }
 
 static void add_section(struct planner *b, size_t section)
@@ -231,7 +231,7 @@ static void add_section(struct planner *b, size_t section)
 	struct ref none = {0};
 	size_t head = b->p->line_count;
 
-	add_line(b->p, LINE_SECTION, none, section);
+	plan_add_line(b->p, LINE_SECTION, none, section);
 	add_stretch(b, before(b->d, section), before(b->d, section + 1));
 	if (b->p->line_count == head + 1)
 		b->p->line_count = head; /* nothing to say */

@@ -124,6 +124,9 @@ int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct
    any order in which rows are written late. */
 enum plan_ordered { ORDERED_WHOLE, ORDERED_PART, ORDERED_LOOPS };
 
+/* There is room for the line. */
+void plan_add_line(struct plan *p, enum line_kind kind, struct ref value, size_t index);
+
 /* Puts the DAG of a function, and its plan, into an order in which fewer values wait, where it finds one (order.c). Returns 0
    when memory runs out. */
 int plan_order(struct function *p, const struct tree *t, const struct request *k, const struct rneagen_options *o,

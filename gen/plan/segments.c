@@ -206,11 +206,6 @@ static void choose_slots(struct cutter *c, int slots[2])
 
 /* ---- the segments' lines ---- */
 
-static void add(struct plan *p, enum line_kind kind, struct ref value, size_t index)
-{
-	p->lines[p->line_count++] = (struct line){kind, value, index};
-}
-
 /* What the line reads and the segment has not yet. */
 static void add_readings(const struct cutter *c, struct plan *p, uint32_t line, uint32_t segment)
 {
@@ -221,9 +216,9 @@ static void add_readings(const struct cutter *c, struct plan *p, uint32_t line, 
 			continue;
 		c->seen[x.i] = segment + 1;
 		if (is_read_again(c, x.i))
-			add(p, LINE_INPUT, x, 0);
+			plan_add_line(p, LINE_INPUT, x, 0);
 		else
-			add(p, LINE_FETCH, x, (size_t)c->slot[x.i]);
+			plan_add_line(p, LINE_FETCH, x, (size_t)c->slot[x.i]);
 	}
 }
 
@@ -246,7 +241,7 @@ static void add_carried(const struct cutter *c, struct plan *p, uint32_t first, 
 
 		if (is_read_again(c, x.i) && c->seen[x.i] != segment + 1) {
 			c->seen[x.i] = segment + 1;
-			add(p, LINE_INPUT, x, 0);
+			plan_add_line(p, LINE_INPUT, x, 0);
 		}
 	}
 }
@@ -264,7 +259,7 @@ static void add_line(const struct cutter *c, struct plan *p, uint32_t line, uint
 	for (int k = 0; k < count; k++) {
 		c->seen[made[k].i] = segment + 1;
 		if (c->slot[made[k].i] >= 0 && segment_of(c, c->readings.last[made[k].i]) > segment)
-			add(p, LINE_KEEP, made[k], (size_t)c->slot[made[k].i]);
+			plan_add_line(p, LINE_KEEP, made[k], (size_t)c->slot[made[k].i]);
 	}
 }
 

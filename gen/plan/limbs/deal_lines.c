@@ -53,11 +53,6 @@ int deal_slots(struct dealer *x)
 
 /* ---- the warps' lines ---- */
 
-static void add(struct plan *p, enum line_kind kind, struct ref value, size_t index)
-{
-	p->lines[p->line_count++] = (struct line){kind, value, index};
-}
-
 /* The first warp that makes a line keeps its values. */
 static int keeper(const struct dealer *x, uint32_t line)
 {
@@ -78,13 +73,13 @@ static void add_line(const struct dealer *x, struct crossing *c, int warp, uint3
 		if (c->seen[r.i])
 			continue;
 		c->seen[r.i] = 1;
-		add(out, LINE_FETCH, r, (size_t)c->slot[r.i]);
+		plan_add_line(out, LINE_FETCH, r, (size_t)c->slot[r.i]);
 	}
 	out->lines[out->line_count++] = x->p->lines[i];
 	for (int k = 0; k < count; k++) {
 		c->seen[made[k].i] = 1;
 		if (c->slot[made[k].i] >= 0 && keeper(x, i) == warp)
-			add(out, LINE_KEEP, made[k], (size_t)c->slot[made[k].i]);
+			plan_add_line(out, LINE_KEEP, made[k], (size_t)c->slot[made[k].i]);
 	}
 }
 
@@ -93,7 +88,7 @@ static void add_inputs(const struct dealer *x, struct crossing *c, int warp, str
 {
 	for (uint32_t i = 0; i < x->lines; i++)
 		if (deal_did(x, warp, i) && x->p->lines[i].kind == LINE_INPUT) {
-			add(out, LINE_INPUT, x->p->lines[i].value, 0);
+			plan_add_line(out, LINE_INPUT, x->p->lines[i].value, 0);
 			c->seen[x->p->lines[i].value.i] = 1;
 		}
 }
@@ -111,7 +106,7 @@ static void make_warp(const struct dealer *x, struct crossing *c, int warp, stru
 	add_inputs(x, c, warp, out);
 	for (int phase = 0; phase < x->phases; phase++) {
 		if (phase)
-			add(out, LINE_JOIN, none, (size_t)phase);
+			plan_add_line(out, LINE_JOIN, none, (size_t)phase);
 		for (uint32_t i = 0; i < x->lines; i++)
 			if (deal_did(x, warp, i) == phase + 1 && x->p->lines[i].kind != LINE_INPUT)
 				add_line(x, c, warp, i, out);

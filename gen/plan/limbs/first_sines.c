@@ -56,8 +56,7 @@ static void put_sines(struct plan *out, const struct angles *list, const struct 
 	int count = readings_made(out, l, made), place = angles_place(list, list->dag, list->dag->nodes[l->value.i].arg[0], NULL, 0);
 
 	for (int k = 0; k < count; k++)
-		out->lines[out->line_count++] = (struct line){LINE_SINE, made[k],
-			2 * (size_t)place + (list->dag->nodes[made[k].i].op == OP_COS)};
+		plan_add_line(out, LINE_SINE, made[k], 2 * (size_t)place + (list->dag->nodes[made[k].i].op == OP_COS));
 }
 
 /* Leave out lines whose value no line reads any more. Returns how many. */
