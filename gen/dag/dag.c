@@ -336,6 +336,14 @@ void dag_uses(const struct dag *d, uint32_t *uses)
 				uses[d->nodes[i].arg[k].i]++;
 }
 
+uint32_t dag_bare(const struct dag *d, uint32_t i, int *sign)
+{
+	for (; d->nodes[i].op == OP_NEG; i = d->nodes[i].arg[0].i)
+		if (sign)
+			*sign = -*sign;
+	return i;
+}
+
 void dag_mark_operands(const struct dag *d, size_t count, unsigned char *marks)
 {
 	for (size_t i = count; i-- > 0;)

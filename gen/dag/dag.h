@@ -281,6 +281,18 @@ struct ref dag_copy_leaf(struct dag *out, const struct dag *d, size_t i);
 /* Is any node wide? */
 int dag_has_wide(const struct dag *d);
 
+/* The node without its signs, which turn *sign, where that is not NULL. */
+uint32_t dag_bare(const struct dag *d, uint32_t i, int *sign);
+
+/* The place of a node in a list; -1: none. */
+static inline int dag_place(const uint32_t *list, int count, uint32_t node)
+{
+	for (int k = 0; k < count; k++)
+		if (list[k] == node)
+			return k;
+	return -1;
+}
+
 /* How often each node is used by live nodes and outputs, in `uses` (d->count of them); 0 means dead. */
 void dag_uses(const struct dag *d, uint32_t *uses);
 

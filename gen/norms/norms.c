@@ -44,14 +44,6 @@ static int is_rotated(const struct dag *d, uint32_t i, struct trig_term *a, stru
 	return a->angle == b->angle && !a->is_sine && b->is_sine;
 }
 
-/* The node without its signs, which are gathered in *sign. */
-static uint32_t bare(const struct dag *d, uint32_t i, int *sign)
-{
-	for (; d->nodes[i].op == OP_NEG; i = d->nodes[i].arg[0].i)
-		*sign = -*sign;
-	return i;
-}
-
 /* (c x + s y, c y - s x): cosines and sines change places, and one sign differs. */
 static int are_mates(const struct dag *d, const struct trig_term *a, const struct trig_term *b, uint32_t other)
 {
@@ -62,8 +54,8 @@ static int are_mates(const struct dag *d, const struct trig_term *a, const struc
 		return 0;
 	third = p.sign;
 	fourth = q.sign;
-	if (bare(d, a->other.i, &first) != bare(d, q.other.i, &fourth) ||
-		bare(d, b->other.i, &second) != bare(d, p.other.i, &third))
+	if (dag_bare(d, a->other.i, &first) != dag_bare(d, q.other.i, &fourth) ||
+		dag_bare(d, b->other.i, &second) != dag_bare(d, p.other.i, &third))
 		return 0;
 	return first * second == -third * fourth;
 }
@@ -82,8 +74,8 @@ static uint32_t unrotate(struct norms *x, struct candidate c, int at, const stru
 			break;
 		}
 	drop(&c, at);
-	put(&c, bare(x->d, a->other.i, &sign));
-	put(&c, bare(x->d, b->other.i, &sign));
+	put(&c, dag_bare(x->d, a->other.i, &sign));
+	put(&c, dag_bare(x->d, b->other.i, &sign));
 	return set_of(x, c);
 }
 
@@ -106,8 +98,8 @@ static void split(struct norms *x, const struct candidate *c, struct norms_set *
 			put(&one, c->nodes[k]);
 			continue;
 		}
-		a = bare(x->d, n->arg[0].i, &sign);
-		b = bare(x->d, n->arg[1].i, &sign);
+		a = dag_bare(x->d, n->arg[0].i, &sign);
+		b = dag_bare(x->d, n->arg[1].i, &sign);
 		put(&one, a < b ? a : b);
 		put(&other, a < b ? b : a);
 	}
@@ -251,8 +243,8 @@ uint32_t norms_pair(struct norms *x, uint32_t a, uint32_t b)
 	struct candidate c = {.count = 0};
 	int sign = 1;
 
-	put(&c, bare(x->d, a, &sign));
-	put(&c, bare(x->d, b, &sign));
+	put(&c, dag_bare(x->d, a, &sign));
+	put(&c, dag_bare(x->d, b, &sign));
 	return set_of(x, c);
 }
 

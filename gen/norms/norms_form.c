@@ -43,10 +43,8 @@ static int is_trig(const struct dag *d, uint32_t i)
 /* Of two values that vary, no sine among them. */
 static int is_product(const struct dag *d, uint32_t i)
 {
-	const struct node *n = &d->nodes[i];
+	const struct node *n = &d->nodes[dag_bare(d, i, NULL)];
 
-	while (n->op == OP_NEG)
-		n = &d->nodes[n->arg[0].i];
 	return n->op == OP_MUL && !is_constant(d, n->arg[0].i) && !is_constant(d, n->arg[1].i) && !is_trig(d, n->arg[0].i) &&
 		!is_trig(d, n->arg[1].i);
 }
@@ -88,15 +86,11 @@ static void add_term(struct row *r, uint32_t a, uint32_t b, double c, double off
 
 static void add_product(const struct forming *f, struct row *r, uint32_t a, uint32_t b, double c, double off)
 {
-	while (f->d->nodes[a].op == OP_NEG) {
-		a = f->d->nodes[a].arg[0].i;
-		c = -c;
-	}
-	while (f->d->nodes[b].op == OP_NEG) {
-		b = f->d->nodes[b].arg[0].i;
-		c = -c;
-	}
-	add_term(r, a < b ? a : b, a < b ? b : a, c, off);
+	int sign = 1;
+
+	a = dag_bare(f->d, a, &sign);
+	b = dag_bare(f->d, b, &sign);
+	add_term(r, a < b ? a : b, a < b ? b : a, sign * c, off);
 }
 
 static void expand(const struct forming *f, struct row *r, uint32_t i, double c, double off, int is_root)
@@ -136,14 +130,6 @@ static int place(uint32_t *list, int *count, int most, uint32_t node)
 	return (*count)++;
 }
 
-static int find(const uint32_t *list, int count, uint32_t node)
-{
-	for (int i = 0; i < count; i++)
-		if (list[i] == node)
-			return i;
-	return -1;
-}
-
 /* Where the factors of all products are few enough for one vector, u = v has them. */
 static int divide_into_one(struct forming *f)
 {
@@ -176,8 +162,8 @@ static int divide_further(struct forming *f)
 
 			if (!t->b)
 				continue;
-			forth = find(f->u, f->u_count, t->a) >= 0 || find(f->v, f->v_count, t->b) >= 0;
-			back = find(f->v, f->v_count, t->a) >= 0 || find(f->u, f->u_count, t->b) >= 0;
+			forth = dag_place(f->u, f->u_count, t->a) >= 0 || dag_place(f->v, f->v_count, t->b) >= 0;
+			back = dag_place(f->v, f->v_count, t->a) >= 0 || dag_place(f->u, f->u_count, t->b) >= 0;
 			if (!is_first && !forth && !back)
 				continue;
 			if (place(back ? f->v : f->u, back ? &f->v_count : &f->u_count, SIDE, t->a) < 0 ||
@@ -193,14 +179,14 @@ static int is_divided(const struct forming *f)
 	for (int i = 0; i < f->row_count; i++)
 		for (int k = 0; k < f->rows[i].count; k++) {
 			const struct term *t = &f->rows[i].terms[k];
-			int forth = find(f->u, f->u_count, t->a) >= 0 && find(f->v, f->v_count, t->b) >= 0;
-			int back = find(f->v, f->v_count, t->a) >= 0 && find(f->u, f->u_count, t->b) >= 0;
+			int forth = dag_place(f->u, f->u_count, t->a) >= 0 && dag_place(f->v, f->v_count, t->b) >= 0;
+			int back = dag_place(f->v, f->v_count, t->a) >= 0 && dag_place(f->u, f->u_count, t->b) >= 0;
 
 			if (t->b && !forth && !back)
 				return 0;
 		}
 	for (int i = 0; i < f->u_count; i++)
-		if (find(f->v, f->v_count, f->u[i]) >= 0)
+		if (dag_place(f->v, f->v_count, f->u[i]) >= 0)
 			return 0;
 	return 1;
 }
@@ -237,9 +223,9 @@ static double tensor_at(const struct forming *f, int i, int j, int k)
 
 		if (!x->b)
 			continue;
-		if (find(f->u, f->u_count, x->a) == j && find(f->v, f->v_count, x->b) == k)
+		if (dag_place(f->u, f->u_count, x->a) == j && dag_place(f->v, f->v_count, x->b) == k)
 			return x->c;
-		if (find(f->v, f->v_count, x->a) == k && find(f->u, f->u_count, x->b) == j)
+		if (dag_place(f->v, f->v_count, x->a) == k && dag_place(f->u, f->u_count, x->b) == j)
 			return x->c;
 	}
 	return 0;
@@ -312,7 +298,7 @@ static double group_norm(const struct forming *f, const uint32_t *nodes, int cou
 
 	for (int i = 0; i < f->row_count; i++)
 		for (int t = 0; t < f->rows[i].count; t++) {
-			int k = f->rows[i].terms[t].b ? -1 : find(nodes, count, f->rows[i].terms[t].a);
+			int k = f->rows[i].terms[t].b ? -1 : dag_place(nodes, count, f->rows[i].terms[t].a);
 
 			if (k >= 0)
 				a.m[i][k] = f->rows[i].terms[t].c;

@@ -65,10 +65,8 @@ static void weigh(struct planner *b, size_t i)
 static void name_shared(struct planner *b, const struct node *n, size_t loops)
 {
 	for (int k = 0; k < op_arity[n->op]; k++) {
-		uint32_t i = n->arg[k].i;
+		uint32_t i = dag_bare(b->d, n->arg[k].i, NULL);
 
-		while (b->d->nodes[i].op == OP_NEG)
-			i = b->d->nodes[i].arg[0].i;
 		if (i < loops && b->d->nodes[i].op != OP_CONST)
 			b->named[i] = 1;
 	}

@@ -19,8 +19,7 @@ static int product_of(const struct twins_of *h, uint32_t i, struct trig_term *t)
 
 		if (f->op != OP_SIN && f->op != OP_COS)
 			continue;
-		while (h->x->d.nodes[other.i].op == OP_NEG)
-			other = h->x->d.nodes[other.i].arg[0];
+		other.i = dag_bare(&h->x->d, other.i, NULL);
 		*t = (struct trig_term){.angle = f->arg[0].i, .is_sine = f->op == OP_SIN, .other = other};
 		return 1;
 	}
@@ -35,9 +34,7 @@ static int sum_of(const struct twins_of *h, uint32_t i, struct trig_term *a, str
 
 	if (n->op != OP_FMA || !product_of(h, i, a))
 		return 0;
-	at = n->arg[2].i;
-	while (h->d->nodes[at].op == OP_NEG)
-		at = h->d->nodes[at].arg[0].i;
+	at = dag_bare(h->d, n->arg[2].i, NULL);
 	return h->d->nodes[at].op == OP_MUL && product_of(h, at, b) && a->angle == b->angle && a->is_sine != b->is_sine;
 }
 

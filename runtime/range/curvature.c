@@ -110,14 +110,6 @@ static void take_line(const struct sweep *s, size_t number, double *work, double
 	}
 }
 
-static void raise(_Atomic double *most, double x)
-{
-	double now = *most;
-
-	while (now < x && !atomic_compare_exchange_weak(most, &now, x))
-		;
-}
-
 static void take_lines(void *job, size_t piece)
 {
 	struct sweep *s = job;
@@ -136,7 +128,7 @@ static void take_lines(void *job, size_t piece)
 			s->failed = 2;
 	}
 	for (int o = 0; o < s->f->output_count && most; o++)
-		raise(&s->most[o], most[o]);
+		grid_raise(&s->most[o], most[o]);
 	free(most);
 	free(line);
 	free(work);

@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "range/grid.h"
 #include <math.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 
 real grid_angle(int i, int n)
@@ -80,4 +81,12 @@ void grid_point(const struct grid *g, size_t number, struct field_point *q)
 		q->x[k][1] = g->places[k][number % n][1];
 		number /= n;
 	}
+}
+
+void grid_raise(_Atomic double *most, double x)
+{
+	double now = *most;
+
+	while (now < x && !atomic_compare_exchange_weak(most, &now, x))
+		;
 }

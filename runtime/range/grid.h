@@ -28,6 +28,9 @@ double grid_size(const struct grid *g);
 /* The point with this number. */
 void grid_point(const struct grid *g, size_t number, struct field_point *q);
 
+/* *most becomes x where that is larger, whichever thread comes first. */
+void grid_raise(_Atomic double *most, double x);
+
 /* Whoever works on points does so with the time that there is. */
 struct effort {
 	struct workers *workers;

@@ -153,14 +153,6 @@ static void descend(struct branch *b, int level, const four *in)
 	}
 }
 
-static void raise(_Atomic double *most, double x)
-{
-	double now = *most;
-
-	while (now < x && !atomic_compare_exchange_weak(most, &now, x))
-		;
-}
-
 static int branch_make(struct branch *b, struct walk *w)
 {
 	*b = (struct branch){.w = w, .most = {w->most[0], w->most[1]}};
@@ -189,8 +181,8 @@ static void take_branch(void *job, size_t piece)
 			descend(&b, 1, b.rooms[0]);
 		else
 			take(&b, b.rooms[0]);
-		raise(&w->most[0], b.most[0]);
-		raise(&w->most[1], b.most[1]);
+		grid_raise(&w->most[0], b.most[0]);
+		grid_raise(&w->most[1], b.most[1]);
 	}
 	for (int l = 0; l < w->depth; l++)
 		free(b.rooms[l]);

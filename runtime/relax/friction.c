@@ -1,12 +1,5 @@
 #include "relax/friction.h"
 
-static uint32_t bare(const struct dag *d, uint32_t i, int *sign)
-{
-	for (; d->nodes[i].op == OP_NEG; i = d->nodes[i].arg[0].i)
-		*sign = -*sign;
-	return i;
-}
-
 static int is_positive(const struct dag *d, uint32_t i)
 {
 	return d->nodes[i].op == OP_CONST && d->nodes[i].value > 0;
@@ -36,7 +29,7 @@ static int product_of(const struct dag *d, uint32_t i, struct friction *f)
 	if (i == f->rate)
 		return 1;
 	for (int k = 0; k < 2 && n->op == OP_MUL; k++)
-		if (bare(d, n->arg[k].i, &f->sign) == f->rate && d->nodes[n->arg[!k].i].op == OP_CONST) {
+		if (dag_bare(d, n->arg[k].i, &f->sign) == f->rate && d->nodes[n->arg[!k].i].op == OP_CONST) {
 			f->slope = n->arg[!k].i;
 			return 1;
 		}
@@ -51,7 +44,7 @@ int friction_of(const struct dag *d, uint32_t i, struct friction *f)
 	if (n->op != OP_DIV || d->nodes[n->arg[1].i].op != OP_SQRT)
 		return 0;
 	f->root = n->arg[1].i;
-	return sum_of(d, d->nodes[f->root].arg[0].i, f) && product_of(d, bare(d, n->arg[0].i, &f->sign), f);
+	return sum_of(d, d->nodes[f->root].arg[0].i, f) && product_of(d, dag_bare(d, n->arg[0].i, &f->sign), f);
 }
 
 /* Extended precision is far closer than 2^-48. */

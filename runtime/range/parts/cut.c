@@ -12,7 +12,7 @@ static void mark_live(const struct cutting *s, int body, const uint32_t *also, i
 	for (int k = 0; k < count; k++)
 		s->live[also[k]] = 1;
 	for (size_t i = s->d->count; i-- > 0;)
-		for (int k = 0; k < op_arity[s->d->nodes[i].op] && s->live[i] && cutting_find(leaves, leaf_count, (uint32_t)i) < 0; k++)
+		for (int k = 0; k < op_arity[s->d->nodes[i].op] && s->live[i] && dag_place(leaves, leaf_count, (uint32_t)i) < 0; k++)
 			s->live[s->d->nodes[i].arg[k].i] = 1;
 }
 
@@ -69,7 +69,7 @@ static struct ref copy(void *context, struct dag *out, size_t i)
 
 	if (i == 0 || !c->s->live[i] || is_wrench(c, (uint32_t)i))
 		return (struct ref){0};
-	leaf = cutting_find(c->leaves, c->count, (uint32_t)i);
+	leaf = dag_place(c->leaves, c->count, (uint32_t)i);
 	if (leaf >= 0)
 		return dag_input(out, strcmp(n->tag.quantity, "w") ? c->drives : c->rates, leaf);
 	if (op_arity[n->op] == 0)

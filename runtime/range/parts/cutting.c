@@ -70,7 +70,7 @@ static int dims_left(const struct cutting *s, const struct field *f, int output,
 		const struct node *n = &s->d->nodes[i];
 
 		s->reads[i] = n->op == OP_INPUT && (int)n->arg[0].i == position ? bit_of(f, (int)n->arg[1].i) : 0;
-		for (int k = 0; k < op_arity[n->op] && cutting_find(leaves, leaf_count, i) < 0; k++)
+		for (int k = 0; k < op_arity[n->op] && dag_place(leaves, leaf_count, i) < 0; k++)
 			s->reads[i] |= s->reads[n->arg[k].i];
 	}
 	for (all = s->reads[s->d->outputs[output].value.i]; all; all &= all - 1)

@@ -39,13 +39,4 @@ int cutting_leaves(const struct cutting *s, int body, uint32_t *leaves);
 /* Their ranges. Returns 0 when memory runs out, or nothing is known. */
 int cutting_ranges(const struct cutting *s, const uint32_t *leaves, int count, struct interval *ranges);
 
-/* Its place in a list of nodes; -1: none. */
-static inline int cutting_find(const uint32_t *list, int count, uint32_t node)
-{
-	for (int k = 0; k < count; k++)
-		if (list[k] == node)
-			return k;
-	return -1;
-}
-
 #endif

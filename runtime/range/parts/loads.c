@@ -5,22 +5,14 @@ enum { MANY = LOADS_LIMBS + 1 };
 
 /* ---- where ---- */
 
-static int place_of(const uint32_t *list, int count, uint32_t node)
-{
-	for (int k = 0; k < count; k++)
-		if (list[k] == node)
-			return k;
-	return -1;
-}
-
 int loads_total(const struct loads *l, uint32_t node)
 {
-	return place_of(l->totals, l->total_count, node);
+	return dag_place(l->totals, l->total_count, node);
 }
 
 int loads_is_wrench(const struct loads *l, uint32_t node)
 {
-	return place_of(l->wrenches, l->wrench_count, node) >= 0;
+	return dag_place(l->wrenches, l->wrench_count, node) >= 0;
 }
 
 /* Force and moment of a body: of values with the same name the last, which has all in it. Returns how many of the six there are.
@@ -46,7 +38,7 @@ static int list_wrench(const struct dag *d, int number, uint32_t *list)
 
 static unsigned char owner_of(const struct loads *l, uint32_t node)
 {
-	int place = place_of(l->wrenches, l->wrench_count, node);
+	int place = dag_place(l->wrenches, l->wrench_count, node);
 
 	for (int limb = 0; limb < l->limb_count && place >= 0; limb++)
 		if (place < l->ends[limb])
