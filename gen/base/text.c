@@ -61,16 +61,14 @@ void text_clear(struct text *t)
 }
 
 /* Into the room that there is, and again where that was too little. */
-void text_printf(struct text *t, const char *fmt, ...)
+static void put_arguments(struct text *t, const char *fmt, va_list ap)
 {
 	size_t room = t->failed ? 0 : t->capacity - t->length;
-	va_list ap, again;
+	va_list again;
 	int n;
 
-	va_start(ap, fmt);
 	va_copy(again, ap);
 	n = vsnprintf(room ? t->s + t->length : NULL, room, fmt, ap);
-	va_end(ap);
 	if (n < 0)
 		t->failed = 1;
 	else if (text_reserve(t, (size_t)n)) {
@@ -81,6 +79,27 @@ void text_printf(struct text *t, const char *fmt, ...)
 	if (t->failed && room)
 		t->s[t->length] = '\0';
 	va_end(again);
+}
+
+void text_printf(struct text *t, const char *fmt, ...)
+{
+	va_list ap;
+
+	va_start(ap, fmt);
+	put_arguments(t, fmt, ap);
+	va_end(ap);
+}
+
+const char *text_format(struct arena *a, const char *fmt, ...)
+{
+	struct text t;
+	va_list ap;
+
+	text_init(&t, a);
+	va_start(ap, fmt);
+	put_arguments(&t, fmt, ap);
+	va_end(ap);
+	return text_string(&t);
 }
 
 void text_put_indented(struct text *t, const char *s)

@@ -18,6 +18,9 @@ void text_putn(struct text *t, const char *s, size_t length);
 void text_putc(struct text *t, char c);
 void text_printf(struct text *t, const char *fmt, ...) RNEAGEN_PRINTF(2, 3);
 
+/* A string by itself; "" when memory runs out, which the arena knows. */
+const char *text_format(struct arena *a, const char *fmt, ...) RNEAGEN_PRINTF(2, 3);
+
 /* Append `s`, each of its lines that says something a tab further in. */
 void text_put_indented(struct text *t, const char *s);
 

@@ -16,11 +16,7 @@
 
 const char *emit_int(const struct emission *e, int value)
 {
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "%d", value);
-	return text_string(&t);
+	return text_format(e->arena, "%d", value);
 }
 
 int emit_pass_uses(const struct function *p, enum op op)
@@ -92,21 +88,13 @@ static void put_body(const struct emission *e, const struct function *p, struct 
 /* The blocks of a launch. */
 static const char *grid_text(const struct emission *e)
 {
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "(unsigned)blocks%s", emit_along(e, e->part_count - emit_hands(e)));
-	return text_string(&t);
+	return text_format(e->arena, "(unsigned)blocks%s", emit_along(e, e->part_count - emit_hands(e)));
 }
 
 static const char *enum_text(const struct emission *e)
 {
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "enum { %s_nq = %d, %s_nv = %d, %s_nb = %d };", e->options->name, e->tree->nq, e->options->name,
+	return text_format(e->arena, "enum { %s_nq = %d, %s_nv = %d, %s_nb = %d };", e->options->name, e->tree->nq, e->options->name,
 		e->tree->nv, e->options->name, e->tree->body_count);
-	return text_string(&t);
 }
 
 /* What a scene can choose without a word in the text's name: nothing but what is wanted. */

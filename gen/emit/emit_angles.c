@@ -49,13 +49,10 @@ static const char *joined(const struct emission *e, const char *first, const cha
 
 const char *emit_known_params(const struct emission *e)
 {
-	struct text t;
-
 	if (!emit_has_known(e))
 		return "";
-	text_init(&t, e->arena);
-	text_printf(&t, ", const int known, const %s *sines", e->numbers->value);
-	return joined(e, text_string(&t), ", const %s *sines_wide", e->wide ? e->wide->value : "");
+	return joined(e, text_format(e->arena, ", const int known, const %s *sines", e->numbers->value), ", const %s *sines_wide",
+		e->wide ? e->wide->value : "");
 }
 
 const char *emit_known_names(const struct emission *e)
@@ -115,11 +112,7 @@ static int most_angles(const struct emission *e, int is_wide)
 
 const char *emit_unread_names(const struct emission *e, const struct function *p)
 {
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "%s_unread", e->options->name);
-	return tables_text(e, p, "0, ", text_string(&t));
+	return tables_text(e, p, "0, ", text_format(e->arena, "%s_unread", e->options->name));
 }
 
 static void put_unread(const struct emission *e, const struct number_type *n, const char *wide, struct text *out)
@@ -283,14 +276,13 @@ static const char *each_text(const struct emission *e, const struct function *p)
 
 const char *emit_sines(const struct emission *e)
 {
-	struct text t, params;
+	const char *params = text_format(e->arena, "%s *sines", e->numbers->value);
+	struct text t;
 
 	text_init(&t, e->arena);
-	text_init(&params, e->arena);
 	if (!emit_has_known(e))
 		return "";
-	text_printf(&params, "%s *sines", e->numbers->value);
-	const char *outputs = joined(e, text_string(&params), ", %s *sines_wide", e->wide ? e->wide->value : "");
+	const char *outputs = joined(e, params, ", %s *sines_wide", e->wide ? e->wide->value : "");
 	for (const struct function *p = e->functions; p < e->functions + e->function_count; p++) {
 		const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"T", e->memory->type},
 			{"PARAMS", outputs}, {"EACH", each_text(e, p)}};
@@ -306,21 +298,13 @@ const char *emit_sines(const struct emission *e)
 static const char *body_call(const struct emission *e, const struct function *p, const char *indent, const char *arguments,
 	const char *stride, const char *more)
 {
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "%s%s_%s_body(%s, %s%s);\n", indent, e->options->name, p->algorithm->name, arguments, stride, more);
-	return text_string(&t);
+	return text_format(e->arena, "%s%s_%s_body(%s, %s%s);\n", indent, e->options->name, p->algorithm->name, arguments, stride, more);
 }
 
 /* And what a part is given beside it. */
 static const char *stride_text(const struct emission *e, const struct function *p, const struct call *c)
 {
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "%s%s", c->stride, emit_more(e, p, c->is_staged, c->is_tiled ? c->q_stride : c->stride, c->handed));
-	return text_string(&t);
+	return text_format(e->arena, "%s%s", c->stride, emit_more(e, p, c->is_staged, c->is_tiled ? c->q_stride : c->stride, c->handed));
 }
 
 /* Where outputs take the places of angles that the other threads of a sample ask for. */

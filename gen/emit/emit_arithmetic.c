@@ -114,13 +114,9 @@ static int has_sincos(const struct emission *e, const struct number_type *n)
 
 const char *emit_sincos_name(const struct emission *e, const struct number_type *n)
 {
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "%s%s", e->options->strict ? n->strict_sincos : n->sincos,
+	return text_format(e->arena, "%s%s", e->options->strict ? n->strict_sincos : n->sincos,
 		emit_has_known(e) && !n->is_beside ? "known"
 			: emit_trig_name(n->is_beside ? emit_trig_of(e->options) : trig_of(e, n)));
-	return text_string(&t);
 }
 
 static void put_sincos(const struct emission *e, const struct number_type *n, struct text *out)
@@ -207,18 +203,14 @@ static const char *guard_of(const struct emission *e, const char *function)
 static void put_declaration(const struct emission *e, const struct number_type *n, struct text *out)
 {
 	int known = emit_has_known(e);
-	struct text more, function, whole;
+	const char *function = text_format(e->arena, "%s%s", n->sincos, known ? "known" : emit_trig_name(trig_of(e, n)));
+	const char *more = known ? text_format(e->arena, ", const int known, const %s *sines", n->value) : "";
+	const struct slot slots[] = {{"GUARD", guard_of(e, function)}, {"FUNCTION", function},
+		{"RESULT", known ? "int" : "void"}, {"KNOWN", more}, {"VALUE", n->value},
+		{"ANGLE", n->angle_is_memory ? n->memory->type : n->value}};
+	struct text whole;
 
 	text_init(&whole, e->arena);
-	text_init(&function, e->arena);
-	text_printf(&function, "%s%s", n->sincos, known ? "known" : emit_trig_name(trig_of(e, n)));
-	text_init(&more, e->arena);
-	if (known)
-		text_printf(&more, ", const int known, const %s *sines", n->value);
-	const struct slot slots[] = {{"GUARD", guard_of(e, text_string(&function))}, {"FUNCTION", text_string(&function)},
-		{"RESULT", known ? "int" : "void"}, {"KNOWN", text_string(&more)}, {"VALUE", n->value},
-		{"ANGLE", n->angle_is_memory ? n->memory->type : n->value}};
-
 	template_expand(&whole, template_sincos_declaration_in, slots, sizeof slots / sizeof *slots);
 	text_put(out, known && !emit_limbs_know(e) ? emit_unless_limbs(e, text_string(&whole)) : text_string(&whole));
 }

@@ -197,11 +197,7 @@ static const char *inputs_text(const struct emission *e, const struct dag *d)
 
 static const char *number_text(const struct emission *e, size_t number)
 {
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "%zu", number);
-	return text_string(&t);
+	return text_format(e->arena, "%zu", number);
 }
 
 /* Beyond the domain of sine and cosine nothing is known. */

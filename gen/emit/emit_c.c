@@ -9,11 +9,7 @@ static int is_soa(const struct emission *e)
 
 static const char *joined(const struct emission *e, const char *a, const char *b)
 {
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "%s, %s", a, b);
-	return text_string(&t);
+	return text_format(e->arena, "%s, %s", a, b);
 }
 
 const char *emit_head_c(const struct emission *e)
@@ -152,11 +148,8 @@ static void put_slice_prototypes(const struct emission *e, struct text *out)
 static void put_bounded_prototype(const struct emission *e, struct text *out)
 {
 	int torques = e->request->stored_count == 1 && want_is(e->request->wants[0].kind, IS_TORQUES);
-	struct text more;
 
-	text_init(&more, e->arena);
-	text_printf(&more, ", %s *bound", e->memory->type);
-	put_prototype(e, emit_main(e), "_bounded", text_string(&more), torques ?
+	put_prototype(e, emit_main(e), "_bounded", text_format(e->arena, ", %s *bound", e->memory->type), torques ?
 		"The same torques, to the bit, and for each a bound[i] of |tau[i] - exact|.\n" BOUNDED_DOC :
 		"The same outputs, to the bit, and for each number x of them, one output after the other, a bound[i] of |x - exact|.\n"
 		BOUNDED_DOC, out);

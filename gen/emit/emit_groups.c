@@ -264,14 +264,10 @@ static const char *else_few(const struct emission *e, const struct function *p)
 
 static void put_part(const struct emission *e, const struct function *p, const char *frame, struct text *out)
 {
-	const char *group = emit_int(e, group_of(e, p));
-	struct text back;
-
-	text_init(&back, e->arena);
-	text_printf(&back, "end - %s", group);
+	const char *group = emit_int(e, group_of(e, p)), *back = text_format(e->arena, "end - %s", group);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"GROUP", group},
 		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_RESTRICT)}, {"COUNT_PARAM", emit_count_param(e->options->layout)},
-		{"COUNT", count_text(e)}, {"LAST_IS_SMALL", and_small(e, p, text_string(&back))},
+		{"COUNT", count_text(e)}, {"LAST_IS_SMALL", and_small(e, p, back)},
 		{"IS_SMALL", and_small(e, p, "first")}, {"SMALL", small_text(e, p, "first", "end")},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}, {"ONE_GROUP", many_text(e, p, group)}, {"ELSE_FEW", else_few(e, p)},
 		{"ANY", emit_any_name(e, p)}, {"AT_SAMPLE", emit_at_sample(e, p, e->options->layout)}, {"NEXT", next_text(e, p)},

@@ -256,15 +256,11 @@ static int has_zero_stores(const struct plan *p)
 
 const char *emit_zeros_unless(const struct emission *e, const struct function *p, int is_beside)
 {
-	struct text t;
-
 	if (p->windows.slots && !is_beside)
 		return has_zero_stores(&p->plan) ? "!RNEA_WINDOW /* else these zeros leave with their neighbours */" : NULL;
 	if (!emit_has_zeros(e, p))
 		return NULL;
-	text_init(&t, e->arena);
-	text_printf(&t, "!defined %s /* a kernel stores these zeros in a loop */", e->target->kernel->compiler);
-	return text_string(&t);
+	return text_format(e->arena, "!defined %s /* a kernel stores these zeros in a loop */", e->target->kernel->compiler);
 }
 
 /* `{10, 7}, {18, 2}`: from a first row on, so many. */

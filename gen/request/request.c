@@ -177,16 +177,14 @@ static enum rneagen_code fold(const struct resolver *x, const struct scene_choic
 static enum rneagen_code push(const struct resolver *x, const struct scene_choice *c)
 {
 	int link = request_find_link(x, c, c->name);
-	struct text word;
+	const char *word = text_format(x->a, "fext.%s", c->name);
 
 	if (link < 0)
 		return x->e->code;
 	if (request_is_said(x, c))
 		return scene_refuse(x->s, c, x->e, "the wrench on '%.255s' is an input already", c->name);
-	text_init(&word, x->a);
-	text_printf(&word, "fext.%s", c->name);
 	x->k->pushes[x->k->push_count] = (struct push){
-		text_string(&word), request_argument(x, text_string(&word)), x->t->links[link].body, x->t->links[link].X};
+		word, request_argument(x, word), x->t->links[link].body, x->t->links[link].X};
 	x->k->push_count++;
 	return RNEAGEN_OK;
 }

@@ -14,11 +14,7 @@ int request_is_plain_product(const struct request *k, const struct product *p)
 /* "jvp_v.payload.hand" */
 static const char *joined(const struct resolver *x, const char *before, const char *word)
 {
-	struct text t;
-
-	text_init(&t, x->a);
-	text_printf(&t, "%s.%s", before, word);
-	return text_string(&t);
+	return text_format(x->a, "%s.%s", before, word);
 }
 
 static enum rneagen_code refuse_by(const struct resolver *x, const struct scene_choice *c)

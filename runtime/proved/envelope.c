@@ -28,13 +28,10 @@ static const char *unit_of(const struct tree_joint *t, int row)
 static const char *name_of(const struct tree_joint *t, int row, struct arena *a)
 {
 	static const char *const floating[] = {"fx", "fy", "fz", "nx", "ny", "nz"}, *const planar[] = {"fx", "fy", "nz"};
-	struct text name;
 
 	if (t->nv == 1)
 		return t->name;
-	text_init(&name, a);
-	text_printf(&name, "%s %s", *t->name ? t->name : "base", (t->type == JOINT_PLANAR ? planar : floating)[row - t->iv]);
-	return text_string(&name);
+	return text_format(a, "%s %s", *t->name ? t->name : "base", (t->type == JOINT_PLANAR ? planar : floating)[row - t->iv]);
 }
 
 static double effort_of(const struct tree *t, const struct tree_joint *k)

@@ -39,11 +39,7 @@ int emit_alone_is_whole(const struct emission *e)
 /* `rnea_part0`: the whole is one part. */
 const char *emit_alone_name(const struct emission *e, int part)
 {
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, "%s_part%d", emit_main(e)->algorithm->name, part);
-	return text_string(&t);
+	return text_format(e->arena, "%s_part%d", emit_main(e)->algorithm->name, part);
 }
 
 void emit_alone(const struct emission *e, struct text *out)

@@ -210,11 +210,8 @@ static int min_blocks(const struct emission *e)
 const char *emit_min_blocks(const struct emission *e)
 {
 	int blocks = min_blocks(e);
-	struct text t;
 
 	if (!blocks)
 		return "0";
-	text_init(&t, e->arena);
-	text_printf(&t, "(RNEA_BLOCK < 64 ? 0 : %d/RNEA_BLOCK)", blocks * emit_block_size(e));
-	return text_string(&t);
+	return text_format(e->arena, "(RNEA_BLOCK < 64 ? 0 : %d/RNEA_BLOCK)", blocks * emit_block_size(e));
 }

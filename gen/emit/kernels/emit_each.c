@@ -27,11 +27,7 @@ static const char *first_text(const struct emission *e)
 {
 	const char *turns =
 		request_wants_derivative(e->request) ? "0" : "(threadIdx.x >> 16) /* 0: each thread has its own number of the limb */";
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, emit_each_block(e) ? "(RNEA_SAMPLE_THREADS > 1 ? threadIdx.x/RNEA_BLOCK : %s)" : "%s", turns);
-	return text_string(&t);
+	return text_format(e->arena, emit_each_block(e) ? "(RNEA_SAMPLE_THREADS > 1 ? threadIdx.x/RNEA_BLOCK : %s)" : "%s", turns);
 }
 
 void emit_each_numbers(const struct emission *e, const struct function *p, struct text *out)

@@ -193,12 +193,9 @@ struct apart {
 /* When a launch would leave rows as they were. */
 static const char *wrong_text(const struct emission *e, int parts)
 {
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, emit_each_block(e) ? "(gridDim.y != %d || blockDim.x != RNEA_BLOCK*RNEA_SAMPLE_THREADS)" : "gridDim.y != %d",
+	return text_format(e->arena,
+		emit_each_block(e) ? "(gridDim.y != %d || blockDim.x != RNEA_BLOCK*RNEA_SAMPLE_THREADS)" : "gridDim.y != %d",
 		parts);
-	return text_string(&t);
 }
 
 /* A function for each of the parts, and the kernel that calls them. */
@@ -374,13 +371,10 @@ const char *emit_stage_launch(const struct emission *e)
 
 const char *emit_given(const struct emission *e, const char *kernel)
 {
-	struct text t;
-
 	if (!emit_is_staged(e))
 		return "0";
-	text_init(&t, e->arena);
-	text_printf(&t, "rneagen_given_bytes((const void *)%s_%s_%s)", e->options->name, emit_main(e)->algorithm->name, kernel);
-	return text_string(&t);
+	return text_format(e->arena, "rneagen_given_bytes((const void *)%s_%s_%s)", e->options->name, emit_main(e)->algorithm->name,
+		kernel);
 }
 
 int emit_stage_bytes(const struct emission *e)

@@ -188,13 +188,9 @@ static int needs_room(const struct emission *e, const struct limbs *s)
 
 const char *emit_unless_limbs(const struct emission *e, const char *what)
 {
-	struct text t;
-
 	if (!emit_has_limbs(e) || !*what)
 		return what;
-	text_init(&t, e->arena);
-	text_printf(&t, EMIT_UNLESS_LIMBS "%s#endif\n", what);
-	return text_string(&t);
+	return text_format(e->arena, EMIT_UNLESS_LIMBS "%s#endif\n", what);
 }
 
 /* What the warps' lines wait by, if they do. */

@@ -53,11 +53,7 @@ const char *emit_more_params(const struct emission *e, const struct function *p)
 
 const char *emit_gap(const struct emission *e, const struct function *p, int is_staged)
 {
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, is_staged ? "staged ? %d : 0" : "0", tiles_rows(p)->gap);
-	return text_string(&t);
+	return text_format(e->arena, is_staged ? "staged ? %d : 0" : "0", tiles_rows(p)->gap);
 }
 
 const char *emit_more(const struct emission *e, const struct function *p, int is_staged, const char *inner, const char *handed)
@@ -135,11 +131,9 @@ const char *emit_launch_hands(const struct emission *e)
 static void put_part_call(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct dag *d = &emit_main(e)->dag;
-	struct text handed;
+	const char *handed = text_format(e->arena, "%s, stride", d->arguments[parts_handed(d)].name);
 
-	text_init(&handed, e->arena);
-	text_printf(&handed, "%s, stride", d->arguments[parts_handed(d)].name);
-	emit_put_sample_call(e, p, "body", emit_more(e, p, 0, "stride", text_string(&handed)), out);
+	emit_put_sample_call(e, p, "body", emit_more(e, p, 0, "stride", handed), out);
 }
 
 /* The body that calls the parts'. */

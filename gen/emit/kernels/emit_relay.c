@@ -51,12 +51,8 @@ static void put_segment_calls(const struct emission *e, const struct function *p
 {
 	text_printf(out, "\t\t%s across[%d];\n\n", e->numbers->value, slots_of(p));
 	for (int k = 0; k < p->segments.count - p->dag.loop_count; k++) {
-		struct text name;
-
-		text_init(&name, e->arena);
-		text_printf(&name, "segment%d", k);
 		text_put(out, "\t\t");
-		emit_put_sample_call(e, p, text_string(&name), ", across, 1, 1", out);
+		emit_put_sample_call(e, p, text_format(e->arena, "segment%d", k), ", across, 1, 1", out);
 		text_putc(out, '\n');
 	}
 }
@@ -108,17 +104,16 @@ static void put_expanding_call(const struct emission *e, const char *arguments, 
 static void put_column(const struct emission *e, const struct column_run *r, struct text *out)
 {
 	int is_halved = reduced_rows(e) > 0;
-	struct text arguments;
+	const char *arguments = text_format(e->arena, "%s + j*stride, stride, across, 1, 1",
+		solve_of(e)->dag.arguments[r->argument].name);
 
-	text_init(&arguments, e->arena);
-	text_printf(&arguments, "%s + j*stride, stride, across, 1, 1", solve_of(e)->dag.arguments[r->argument].name);
 	text_put(out, is_halved ? " {\n" : "\n");
 	if (is_halved)
 		put_reduced(e, out);
 	text_put(out, "\t\t\t");
-	put_loop_call(e, r->loop, text_string(&arguments), out);
+	put_loop_call(e, r->loop, arguments, out);
 	if (is_halved) {
-		put_expanding_call(e, text_string(&arguments), out);
+		put_expanding_call(e, arguments, out);
 		text_put(out, "\t\t}\n");
 	}
 }
@@ -236,11 +231,8 @@ static const char *loops_text(const struct emission *e)
 
 static const char *solve_call(const struct emission *e)
 {
-	struct text arguments;
-
-	text_init(&arguments, e->arena);
-	text_printf(&arguments, "%s, across, RNEA_SOLVE_SAMPLES", emit_params(e, solve_of(e), PARAMS_AT_SAMPLE));
-	const struct call c = {.indent = "\t\t", .arguments = text_string(&arguments), .q = emit_q_at_sample(e),
+	const char *arguments = text_format(e->arena, "%s, across, RNEA_SOLVE_SAMPLES", emit_params(e, solve_of(e), PARAMS_AT_SAMPLE));
+	const struct call c = {.indent = "\t\t", .arguments = arguments, .q = emit_q_at_sample(e),
 		.stride = emit_stride(e)};
 
 	return emit_call(e, solve_of(e), &c);

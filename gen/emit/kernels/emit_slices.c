@@ -261,11 +261,7 @@ static void put_slice_out(const struct emission *e, const struct stretches *s, i
 /* `r`, or `(r + 3)`. */
 static const char *row_text(const struct emission *e, int first)
 {
-	struct text t;
-
-	text_init(&t, e->arena);
-	text_printf(&t, first ? "(r + %d)" : "r", first);
-	return text_string(&t);
+	return text_format(e->arena, first ? "(r + %d)" : "r", first);
 }
 
 /* The loop's line for rows of an array. */

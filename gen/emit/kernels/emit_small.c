@@ -102,12 +102,10 @@ const char *emit_is_small(const struct emission *e)
 
 void emit_part_small(const struct emission *e, const struct part *part, struct text *out)
 {
-	struct text name;
+	const char *name = text_format(e->arena, "%s_%s", e->options->name, part->function.algorithm->name);
 
-	text_init(&name, e->arena);
-	text_printf(&name, "%s_%s", e->options->name, part->function.algorithm->name);
 	if (emit_has_known(e) && emit_has_angles(e, &part->function))
-		put_small(e, "a part", text_string(&name), tiles_rows(&part->function)->own[0], out);
+		put_small(e, "a part", name, tiles_rows(&part->function)->own[0], out);
 }
 
 /* Of each run of the rows that a part reads. */
@@ -115,11 +113,10 @@ static void put_column_small(const struct emission *e, const struct function *p,
 {
 	const struct dag *d = &p->dag;
 	char *is_read = arena_alloc(e->arena, (size_t)e->tree->nq + 1, 1);
-	struct text loops, name;
+	const char *name = text_format(e->arena, "%s_%s", e->options->name, p->algorithm->name);
+	struct text loops;
 
 	text_init(&loops, e->arena);
-	text_init(&name, e->arena);
-	text_printf(&name, "%s_%s", e->options->name, p->algorithm->name);
 	for (size_t i = 0; is_read && i < d->count; i++)
 		if (d->nodes[i].op == OP_INPUT && !d->nodes[i].arg[0].i)
 			is_read[d->nodes[i].arg[1].i] = 1;
@@ -129,7 +126,7 @@ static void put_column_small(const struct emission *e, const struct function *p,
 		if (end > row)
 			put_small_loop(e, (struct stretch){row, end - row}, tiles_divide_q(p) && row >= p->tiles->second ? "(i - gap)" : "i", &loops);
 	}
-	put_small_of(e, "a part", text_string(&name), text_string(&loops), tiles_divide_q(p) ? ", const size_t gap" : "", out);
+	put_small_of(e, "a part", name, text_string(&loops), tiles_divide_q(p) ? ", const size_t gap" : "", out);
 }
 
 static int has_parts_small(const struct emission *e)

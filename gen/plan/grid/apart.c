@@ -230,15 +230,13 @@ static int make_hands(struct part *parts, const struct hands *h, const struct pa
 
 	for (int i = 0; i < h->count; i++) {
 		const struct hand_level *l = &h->levels[h->list[i].level];
-		struct text what;
+		const char *what = text_format(a, "what link %d carries, and the force of all that on it",
+			x->tree->bodies[h->list[i].body].number);
 
 		if (h->list[i].level != level && !share_begin(&share, &l->first, l->owner, spare))
 			return 0;
 		level = h->list[i].level;
-
-		text_init(&what, a);
-		text_printf(&what, "what link %d carries, and the force of all that on it", x->tree->bodies[h->list[i].body].number);
-		if (!make_part(&parts[i], &share, i, i, text_string(&what), x, a))
+		if (!make_part(&parts[i], &share, i, i, what, x, a))
 			return 0;
 		parts[i].is_hand = 1;
 		parts[i].level = level;
@@ -354,14 +352,12 @@ static int make_loops(struct part **parts, int *count, const struct parts_of *x,
 {
 	int *owner = arena_alloc(spare, x->raw->output_count + 1, sizeof *owner);
 	struct share share;
-	struct text name;
+	const char *name = text_format(a, "%s_part0", x->whole->algorithm->name);
 	struct part *p = *parts = arena_alloc(a, 1, sizeof *p);
 
 	if (!owner || !p || !share_begin(&share, x->raw, owner, spare))
 		return 0;
-	text_init(&name, a);
-	text_printf(&name, "%s_part0", x->whole->algorithm->name);
-	if (!part_build_share(p, &share, 0, 1, text_string(&name), "The whole, with loops over limbs that are alike.", x, a) ||
+	if (!part_build_share(p, &share, 0, 1, name, "The whole, with loops over limbs that are alike.", x, a) ||
 		(request_wants_derivative(x->request) && !part_order(p, x, a)) ||
 		!set_rows(p, stretches_make_whole, x, a) || !each_make(p, x, a))
 		return 0;

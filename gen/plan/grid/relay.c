@@ -146,11 +146,7 @@ static int build_between(struct relay *r, struct share *share, struct dag *colum
 
 static const char *name_of(const struct parts_of *x, const char *what, struct arena *a)
 {
-	struct text t;
-
-	text_init(&t, a);
-	text_printf(&t, "%s_%s", x->whole->algorithm->name, what);
-	return text_string(&t);
+	return text_format(a, "%s_%s", x->whole->algorithm->name, what);
 }
 
 static int build(struct relay *r, const struct dag *raw, struct dag *columns, const struct parts_of *x, struct arena *spare,

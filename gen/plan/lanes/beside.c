@@ -84,11 +84,7 @@ static const struct function *other_than(const struct function *p)
 
 static const char *name_of(const struct function *p, struct arena *a)
 {
-	struct text t;
-
-	text_init(&t, a);
-	text_printf(&t, "%s_beside", p->algorithm->name);
-	return text_string(&t);
+	return text_format(a, "%s_beside", p->algorithm->name);
 }
 
 /* p->beside: of all ways the one with the fewest operations. A header has no functions for loops over columns. */
