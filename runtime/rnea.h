@@ -219,8 +219,8 @@ struct rnea_function {
 	/* A relay: rnea_launch and rnea_run launch three kernels with the same parameters, one after the other. The function's
 	   own, which may have limbs, is the second. The first is NAME_FUNCTION_start_kernel, in blocks as long as the second's.
 	   The third is NAME_FUNCTION_solve_kernel: a block does relay_samples samples, has relay_threads threads for each, and
-	   relay_bytes bytes of shared memory given; the blocks along y share its work, and any number of them is right; it is fast where all
-	   blocks run at once. */
+	   relay_bytes bytes of shared memory given; the blocks along y share its work, and any number of them is right; it is
+	   fast where all blocks run at once. */
 	unsigned relay_threads; /* 0: there is one kernel */
 	unsigned relay_samples;
 	unsigned relay_room;    /* blocks of the third, along x and y, beyond which more along y gained nothing on an H100 */

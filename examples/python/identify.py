@@ -26,7 +26,8 @@ def draw_motion(rng, nv):
     size, phase = rng.uniform(0.2, 1, (5, 1, nv)), rng.uniform(0, 2 * np.pi, (5, 1, nv))
     size *= 1.2 / size.sum(0)
     angle = w * t + phase
-    return {"q": (size * np.sin(angle)).sum(0), "qd": (w * size * np.cos(angle)).sum(0), "qdd": (-w * w * size * np.sin(angle)).sum(0)}
+    return {"q": (size * np.sin(angle)).sum(0), "qd": (w * size * np.cos(angle)).sum(0),
+            "qdd": (-w * w * size * np.sin(angle)).sum(0)}
 
 
 def along(robot, motion):

@@ -118,8 +118,8 @@ static void output(const struct kinematics *x, int argument, struct svec linear,
 	}
 }
 
-/* At the frame's origin r in the body, in the body's axes: classical, a + dw x r + w x (w x r); spatial, a - w x v + dw x r, which
-   is 0 of a link that is one with a floating base. In the world's frame the spatial one is seen from the world's origin. */
+/* At the frame's origin r in the body, in the body's axes: classical, a + dw x r + w x (w x r); spatial, a - w x v + dw x r,
+   which is 0 of a link that is one with a floating base. In the world's frame the spatial one is seen from the world's origin. */
 static struct svec rate_at(const struct kinematics *x, const struct carried_motion *m, struct svec r)
 {
 	struct dag *d = x->d;

@@ -6,8 +6,8 @@
 #include "core/info_table.h"
 #include "core/words.h"
 
-/* Who knows nothing of parts, of functions, of relays, of hands, of threads of a sample, or of a relay's wide blocks must not launch a text that has
-   them: each was a version more. */
+/* Who knows nothing of parts, of functions, of relays, of hands, of threads of a sample, or of a relay's wide blocks must not
+   launch a text that has them: each was a version more. */
 enum {
 	VERSION = 1,
 	VERSION_PARTS = 2,

@@ -62,8 +62,8 @@ int judge_bound(const struct judge *j, const struct analysis *a, const struct rn
 /* Is any output judged? A bound alone is none. */
 int judge_has_outputs(const struct dag *d);
 
-/* Outputs [sample][row] of the judge's samples, as `out` is. What is not finite is off by INFINITY, and so is a qdd that is off by
-   more than its bound, where that is an output too. */
+/* Outputs [sample][row] of the judge's samples, as `out` is. What is not finite is off by INFINITY, and so is a qdd that is off
+   by more than its bound, where that is an output too. */
 struct judge_errors judge_results(const struct judge *j, const double *out);
 
 #endif

@@ -1,6 +1,6 @@
 /* What a reader needs of a text: lines that fit a page, blank ones apart, a legend that explains every name of the statements, no
-   rows times zero or one; and --only rnea, which leaves out what is not the algorithm. Reads the texts as strings, and shares nothing
-   with what wrote them. Every robot by every third variant in turn; under the sanitizers by every fifth. */
+   rows times zero or one; and --only rnea, which leaves out what is not the algorithm. Reads the texts as strings, and shares
+   nothing with what wrote them. Every robot by every third variant in turn; under the sanitizers by every fifth. */
 #include "rneagen.h"
 #include "support/exhaustive.h"
 #include "support/read.h"
@@ -295,8 +295,8 @@ struct tour {
 	int variant, robots;
 };
 
-/* Catches a line that is written without the margin in mind, or a second blank one, in any frame, statement, comment or table; and a quantity, an
-   input, a macro or a helper that is new in the statements and not in the legend. */
+/* Catches a line that is written without the margin in mind, or a second blank one, in any frame, statement, comment or table;
+   and a quantity, an input, a macro or a helper that is new in the statements and not in the legend. */
 static void check_text(const char *path, const char *name, void *context)
 {
 	static struct legend l;

@@ -173,8 +173,8 @@ static void stand_at_zero(struct kin_case *c)
 	kin_settle(c);
 }
 
-/* There the first of w, x, y and z that is not zero is positive, by whatever parameters: texts of one robot then have one sign. It
-   would catch a sign that comes of the frames on the way. */
+/* There the first of w, x, y and z that is not zero is positive, by whatever parameters: texts of one robot then have one sign.
+   It would catch a sign that comes of the frames on the way. */
 static void check_signs(struct kin_case *c)
 {
 	static const int order[] = {6, 3, 4, 5};

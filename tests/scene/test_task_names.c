@@ -299,13 +299,13 @@ START_TEST(directions)
 }
 END_TEST
 
-/* Blanks at the end of a name are its own, where the robot has such a name: each word that takes one finds it. At the end of a line
-   they take quotes. */
+/* Blanks at the end of a name are its own, where the robot has such a name: each word that takes one finds it. At the end of a
+   line they take quotes. */
 START_TEST(blanks)
 {
 	static const char padded[] = ROBOT("r", BALL("world") BALL("arm ") JOINT("swing ", "revolute", "world", "arm ", ""));
-	static const char *const scenes[] = {"range q.swing =-1,1", "fold qd.swing =0", "free \"offset.swing \"", "free \"damping.swing \"",
-		"want \"wrench.swing \"", "want \"pose.arm \"", "jvp \"pose.arm \""};
+	static const char *const scenes[] = {"range q.swing =-1,1", "fold qd.swing =0", "free \"offset.swing \"",
+		"free \"damping.swing \"", "want \"wrench.swing \"", "want \"pose.arm \"", "jvp \"pose.arm \""};
 	struct rneagen_options o = rneagen_options_default();
 	struct scene_model m;
 

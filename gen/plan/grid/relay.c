@@ -176,9 +176,10 @@ static int fitting(const struct relay *r, const struct rneagen_options *o, int s
 }
 
 /* Blocks of a small batch beyond which more along y gain nothing: each makes the factors anew, and those that do not run at once
-   wait. H100, 1024 samples, us, 8, 16 and 32 along y, of which 24 have room: atlas in f64 52.3, 49.7 and 58.7; 4096 samples, 4 and
-   6: 80.7 and 88.5; where 8 have room, floating atlas in f64: 168, with 16 222. H200, 4096 samples, 8 and 12 along y of 64 samples
-   each: atlas in f32 48.9 and 53.0, g1_29dof 44.0 and 47.8; 2 and 4 with two threads for each sample: atlas in f64 76.9 and 79.5. */
+   wait. H100, 1024 samples, us, 8, 16 and 32 along y, of which 24 have room: atlas in f64 52.3, 49.7 and 58.7; 4096 samples, 4
+   and 6: 80.7 and 88.5; where 8 have room, floating atlas in f64: 168, with 16 222. H200, 4096 samples, 8 and 12 along y of 64
+   samples each: atlas in f32 48.9 and 53.0, g1_29dof 44.0 and 47.8; 2 and 4 with two threads for each sample: atlas in f64 76.9
+   and 79.5. */
 static int side_by_side(const struct relay *r, const struct rneagen_options *o)
 {
 	int fit = fitting(r, o, r->samples), most = WARPS * WARP_THREADS / (r->threads * r->samples);
@@ -193,8 +194,8 @@ static int side_by_side(const struct relay *r, const struct rneagen_options *o)
    blocks of two warps' samples read and write longer pieces of rows. H200, ps for each of a million samples, with a thread for
    each sample in blocks of a warp, and so: floating g1_29dof in f32 14710 and 12400, floating atlas 13390 and 12740, in f64 atlas
    7810 and 7560, g1_29dof 7290 and 7050, floating hyq 3780 and 3860 (16384 samples, us: 89 and 82); and with two warps' samples,
-   in f32 atlas 3880 and 3270, of them by 8 warps 3680, by 12 in blocks of one 3750, of four 3350; g1_29dof 3580 and 3320, floating
-   hyq 2230 and 1900. */
+   in f32 atlas 3880 and 3270, of them by 8 warps 3680, by 12 in blocks of one 3750, of four 3350; g1_29dof 3580 and 3320,
+   floating hyq 2230 and 1900. */
 static void set_grid(struct relay *r, const struct rneagen_options *o)
 {
 	enum { WIDE = 2 * WARP_THREADS };

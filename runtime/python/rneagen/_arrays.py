@@ -144,7 +144,8 @@ def check_dtypes(given: Sequence[tuple[Array, Any]]) -> None:
         if str(x.dtype).rpartition(".")[2] not in ("float32", "float64"):
             raise TypeError(f"{array.name}: its dtype is {x.dtype}; float32 or float64 is wanted")
         if x.dtype != like.dtype:
-            raise TypeError(f"{array.name}: its dtype is {x.dtype}, and that of {first.name} is {like.dtype}: all arrays have one")
+            raise TypeError(f"{array.name}: its dtype is {x.dtype}, and that of {first.name} is {like.dtype}: "
+                            "all arrays have one")
 
 
 def lead_of(given: Iterable[tuple[Array, tuple[int, ...]]]) -> tuple[int, ...]:

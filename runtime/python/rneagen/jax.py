@@ -73,7 +73,8 @@ def call(robot, arrays: Sequence[Any], out: Any):
     lead = check(robot, given)
     dtype = next(x for x in given if x is not None).dtype
     whole = [jnp.asarray(_arrays.fill(a, lead, dtype)) if x is None else x for a, x in zip(robot.inputs, given)]
-    return robot._join(_jax_operator.run(operator, _gradient.without_given_torques(robot, gathered(whole), _jax_operator.LIBRARY.join)))
+    whole = _gradient.without_given_torques(robot, gathered(whole), _jax_operator.LIBRARY.join)
+    return robot._join(_jax_operator.run(operator, whole))
 
 
 def bind(robot, arrays: Sequence[Any], out: Any):
