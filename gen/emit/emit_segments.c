@@ -281,18 +281,19 @@ static const char *many_functions(const struct emission *e, const struct functio
 	return text_string(&t);
 }
 
-/* Of one sample. */
-static const char *one_functions(const struct emission *e, const struct function *p)
+/* Of a call of one sample, what `put` writes: as it is, or in lanes where there are such. */
+static const char *one_text(const struct emission *e, const struct function *p,
+	void (*put)(const struct emission *e, const struct function *p, struct text *out))
 {
 	struct text t;
 
 	text_init(&t, e->arena);
 	if (lanes_of(p)) {
 		text_put(&t, EMIT_IF_LANES);
-		put_one_functions(e, lanes_of(p), &t);
+		put(e, lanes_of(p), &t);
 		text_put(&t, "#else\n");
 	}
-	put_one_functions(e, single_of(p), &t);
+	put(e, single_of(p), &t);
 	text_put(&t, lanes_of(p) ? "#endif\n" : "");
 	return text_string(&t);
 }
@@ -337,22 +338,6 @@ static void put_one_body(const struct emission *e, const struct function *p, str
 	text_printf(out, "%s\n%s\n%s", emit_across(e, &p->segments, ACROSS_LOCAL), emit_columns_declaration(e, p), one_calls(e, p));
 }
 
-/* As it is, or in lanes where there are such. */
-static const char *one_body(const struct emission *e, const struct function *p)
-{
-	struct text t;
-
-	text_init(&t, e->arena);
-	if (lanes_of(p)) {
-		text_put(&t, EMIT_IF_LANES);
-		put_one_body(e, lanes_of(p), &t);
-		text_put(&t, "#else\n");
-	}
-	put_one_body(e, single_of(p), &t);
-	text_put(&t, lanes_of(p) ? "#endif\n" : "");
-	return text_string(&t);
-}
-
 void emit_lanes_call(const struct emission *e, const struct function *of, struct text *out)
 {
 	const struct function *p = emit_lanes_alone(of);
@@ -375,8 +360,8 @@ void emit_lanes_call(const struct emission *e, const struct function *of, struct
 void emit_segments_one(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
-		{"MANY", emit_has_batches(e) ? many_functions(e, emit_many_of(p)) : ""}, {"FUNCTIONS", one_functions(e, p)},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"ONE_BODY", one_body(e, p)}};
+		{"MANY", emit_has_batches(e) ? many_functions(e, emit_many_of(p)) : ""}, {"FUNCTIONS", one_text(e, p, put_one_functions)},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"ONE_BODY", one_text(e, p, put_one_body)}};
 
 	text_put(out, emit_lanes_instead(e, p) ? EMIT_UNLESS_LANES : "");
 	template_expand(out, template_segments_one_in, slots, sizeof slots / sizeof *slots);
