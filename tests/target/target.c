@@ -24,6 +24,15 @@ const char *compiler_lacks(const struct compiler *c, int fma)
 	return fma && !has_fma ? "no fused multiply-add in this processor" : NULL;
 }
 
+int compiler_serves(const struct compiler *c, int fma)
+{
+	const char *why = compiler_lacks(c, fma);
+
+	if (why)
+		printf("skipped: %s%s%s: %s\n", c->command, c->flags[0] ? " " : "", c->flags[0] ? c->flags[0] : "", why);
+	return !why;
+}
+
 const char *target_nvcc(void)
 {
 	const char *const places[] = {getenv("NVCC"), "nvcc", "/usr/local/cuda/bin/nvcc"};

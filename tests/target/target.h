@@ -35,6 +35,9 @@ struct compiler {
 /* Why it cannot be used here, or NULL; with `fma` the processor has to run what it compiles for AVX2 and FMA. */
 const char *compiler_lacks(const struct compiler *c, int fma);
 
+/* Can it be used here? If not, that is said. */
+int compiler_serves(const struct compiler *c, int fma);
+
 /* The nvcc of NVCC, of PATH or of the toolkit's folder; NULL where there is none, which is said. */
 const char *target_nvcc(void);
 

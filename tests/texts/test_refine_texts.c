@@ -170,9 +170,7 @@ static void compile(const struct target *t, const char *const *argv)
 {
 	const struct compiler c = {argv[0], {NULL}};
 
-	if (compiler_lacks(&c, 0))
-		printf("skipped: %s: %s\n", argv[0], compiler_lacks(&c, 0));
-	else
+	if (compiler_serves(&c, 0))
 		target_compile(t, argv);
 }
 

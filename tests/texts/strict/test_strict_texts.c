@@ -55,15 +55,6 @@ static const struct user {
 	{{"clang", {"-O3", "-std=c11", "-ffp-contract=fast", "-march=x86-64-v3"}}, ".c", 1},
 	{{"g++", {"-O3", "-std=gnu++17", "-ffp-contract=fast", "-march=x86-64-v3"}}, ".cpp", 1}};
 
-static int is_possible(const struct user *u)
-{
-	const char *why = compiler_lacks(&u->compiler, u->compiler.flags[3] != NULL);
-
-	if (why)
-		printf("skipped: %s %s: %s\n", u->compiler.command, u->compiler.flags[1], why);
-	return !why;
-}
-
 static void use_all(const struct target *t, void *library, double *out)
 {
 	void (*use)(const double *x, const double *y, double *out);
@@ -113,7 +104,7 @@ START_TEST(header_keeps_its_bits)
 	target_write(target_path("strict_arm", ".h"), strict.text.source);
 	target_write(target_path("plain_arm", ".h"), plain.text.source);
 	for (size_t i = 0; i < sizeof USERS / sizeof *USERS; i++) {
-		if (!is_possible(&USERS[i]))
+		if (!compiler_serves(&USERS[i].compiler, USERS[i].compiler.flags[3] != NULL))
 			continue;
 		run_user(&strict, &USERS[i], i ? now : first);
 		for (int k = 0; k < SAMPLES * ROWS && i; k++)
@@ -309,14 +300,12 @@ START_TEST(nothing_joined_for_gpus)
 {
 	enum rneagen_precision precision = _i ? RNEAGEN_F64 : RNEAGEN_F32;
 	struct target_path source = target_path("strict_ptx", ".cu"), header = target_path("strict_ptx", ".h");
-	const char *nvcc = process_exists("nvcc") ? "nvcc" : "/usr/local/cuda/bin/nvcc";
+	const char *nvcc = target_nvcc();
 	struct target t;
 	char text[1024];
 
-	if (!process_exists(nvcc)) {
-		printf("skipped: no nvcc\n");
+	if (!nvcc)
 		return;
-	}
 	generate(&t, RNEAGEN_TARGET_CUDA, precision, 1, "strict_ptx");
 	target_write(source, t.text.source);
 	check_ptx(&t, nvcc, source.s, _i ? "kernels, f64" : "kernels, f32");

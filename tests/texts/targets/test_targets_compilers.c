@@ -31,16 +31,6 @@ enum { SETTING, PRECISION, LAYOUT, TRIG, COLUMNS }; /* columns of the table */
 
 static struct worst worst[2];
 
-/* With a word where a setting cannot be tried. */
-static int is_possible(const struct setting *s)
-{
-	const char *why = compiler_lacks(&s->compiler, s->needs_fma);
-
-	if (why)
-		printf("skipped: %s %s: %s\n", s->compiler.command, s->compiler.flags[0], why);
-	return !why;
-}
-
 static void check_text(struct model *m, const struct states *states, const char *urdf, size_t length,
 	const struct rneagen_options *o, const struct setting *setting, const char *name)
 {
@@ -112,7 +102,7 @@ START_TEST(setting)
 	const struct setting *s = &SETTINGS[_i];
 	char what[64];
 
-	if (!is_possible(s))
+	if (!compiler_serves(&s->compiler, s->needs_fma))
 		return;
 	pairs_draw(&p, SEED);
 	for (int i = 0; i < p.count; i++)

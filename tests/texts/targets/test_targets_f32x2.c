@@ -36,16 +36,6 @@ static const struct setting SETTINGS[] = {
 
 enum { SETTING_COUNT = sizeof SETTINGS / sizeof *SETTINGS };
 
-/* With a word where a setting cannot be tried. */
-static int is_possible(const struct setting *s)
-{
-	const char *why = compiler_lacks(&s->compiler, s->needs_fma);
-
-	if (why)
-		printf("skipped: %s %s: %s\n", s->compiler.command, s->compiler.flags[0], why);
-	return !why;
-}
-
 static struct array array_of(const double *x, int count)
 {
 	struct array a = array_new(0, (size_t)count);
@@ -162,7 +152,7 @@ START_TEST(compilers)
 	const struct setting *s = &SETTINGS[_i];
 	struct worst worst = {0};
 
-	if (!is_possible(s))
+	if (!compiler_serves(&s->compiler, s->needs_fma))
 		return;
 	/* settings that join products to sums take both, the others one in turn, unless all is asked for */
 	if (exhaustive() || s->needs_fma || _i % 2)
