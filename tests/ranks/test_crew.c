@@ -1,4 +1,4 @@
-/* Lanes that there is no memory for: an error, told to the other ranks, and nothing is recorded as complete. */
+/* Tracks that there is no memory for: an error, told to the other ranks, and nothing is recorded as complete. */
 #include "support/suite.h"
 #include "eval/crew.h"
 #include <stdlib.h>
