@@ -82,6 +82,15 @@ const char *template_expand_to(struct text *out, const char *tmpl, const char *e
 	return expand(out, tmpl, end, slots, count);
 }
 
+const char *template_text(struct arena *a, const char *tmpl, const struct slot *slots, size_t count)
+{
+	struct text t;
+
+	text_init(&t, a);
+	template_expand(&t, tmpl, slots, count);
+	return text_string(&t);
+}
+
 enum rneagen_code template_error(struct rneagen_error *e, const struct arena *a)
 {
 	return a->reason ? error_set(e, RNEAGEN_TEMPLATE, "%s", a->reason) : error_memory(e);

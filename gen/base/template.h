@@ -12,6 +12,9 @@ struct slot {
    the arena's reason. A slot alone on its line whose value is empty takes the line with it. */
 void template_expand(struct text *out, const char *tmpl, const struct slot *slots, size_t count);
 
+/* A text of its own; "" on failure. */
+const char *template_text(struct arena *a, const char *tmpl, const struct slot *slots, size_t count);
+
 /* The same up to the slot @end@, for what is too long to be made twice. Returns what follows that slot, "" on failure. */
 const char *template_expand_to(struct text *out, const char *tmpl, const char *end, const struct slot *slots, size_t count);
 

@@ -164,12 +164,9 @@ static int bytes_of(const struct emission *e, const struct number_type *n)
 const char *emit_sines_bytes(const struct emission *e)
 {
 	const struct slot slots[] = {{"BYTES", emit_int(e, (bytes_of(e, e->numbers) + bytes_of(e, e->wide) + 15) / 16 * 16)}};
-	struct text t;
 
-	text_init(&t, e->arena);
-	if (emit_has_known(e) && emit_has_angles(e, emit_main(e)))
-		template_expand(&t, template_sines_bytes_in, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	return emit_has_known(e) && emit_has_angles(e, emit_main(e))
+		? template_text(e->arena, template_sines_bytes_in, slots, sizeof slots / sizeof *slots) : "";
 }
 
 /* ---- expressions ---- */
@@ -328,11 +325,8 @@ static const char *call_expanded(const struct emission *e, const struct function
 		{"STRIDE", stride_text(e, p, c)}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
 		{"ASKED", asked}, {"MEET", meet_text(e, c)}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "", "sines")},
 		{"KNOWN", tables_text(e, p, "known, ", "sines")}};
-	struct text t;
 
-	text_init(&t, e->arena);
-	template_expand(&t, frame, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	return template_text(e->arena, frame, slots, sizeof slots / sizeof *slots);
 }
 
 const char *emit_call(const struct emission *e, const struct function *p, const struct call *c)

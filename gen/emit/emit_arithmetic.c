@@ -16,11 +16,8 @@ static const char *expanded(const struct emission *e, const struct scalar *s, co
 		{"WIDE", s == e->arithmetic ? "" : "WIDE_"}, {"FLUSH", s->flushes ? template_arithmetic_strict_flush_in : ""},
 		{"OPERATIONS_CUDA", x.operations_cuda}, {"OPERATIONS_C", x.operations_c}, {"STRICT_CUDA", x.cuda},
 		{"STRICT_C", x.c}};
-	struct text t;
 
-	text_init(&t, e->arena);
-	template_expand(&t, tmpl, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	return template_text(e->arena, tmpl, slots, sizeof slots / sizeof *slots);
 }
 
 /* Of the text's numbers, then of the wide ones. */

@@ -15,11 +15,8 @@ static const char *joined(const struct emission *e, const char *a, const char *b
 const char *emit_head_c(const struct emission *e)
 {
 	const struct slot slots[] = {{"IEEE", emit_ieee(e)}, {"ARITHMETIC_C", emit_arithmetic(e, &TARGET_C)}};
-	struct text t;
 
-	text_init(&t, e->arena);
-	template_expand(&t, template_head_c_in, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	return template_text(e->arena, template_head_c_in, slots, sizeof slots / sizeof *slots);
 }
 
 int emit_has_batches(const struct emission *e)
@@ -37,11 +34,8 @@ const char *emit_any(const struct emission *e, const struct function *p)
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"INLINE", e->target->has_batches ? "" : "inline "},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"CALL_ANY", emit_call_any(e, p)}};
-	struct text t;
 
-	text_init(&t, e->arena);
-	template_expand(&t, template_any_in, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	return template_text(e->arena, template_any_in, slots, sizeof slots / sizeof *slots);
 }
 
 void emit_put_any(const struct emission *e, const struct function *p, struct text *out)

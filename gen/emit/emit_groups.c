@@ -243,12 +243,9 @@ static const char *whole_groups(const struct emission *e, const struct function 
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"COUNT", count_text(e)},
 		{"MANY", many_text(e, p, "next - first")}, {"SMALL", small_text(e, p, "first", "next")},
 		{"NAMES", emit_params(e, p, PARAMS_NAMES)}};
-	struct text t;
 
-	text_init(&t, e->arena);
-	template_expand(&t, angles_argument(e, p) >= 0 ? template_part_small_in : template_part_any_in, slots,
+	return template_text(e->arena, angles_argument(e, p) >= 0 ? template_part_small_in : template_part_any_in, slots,
 		sizeof slots / sizeof *slots);
-	return text_string(&t);
 }
 
 static const char *else_few(const struct emission *e, const struct function *p)

@@ -73,10 +73,6 @@ const char *emit_joints(const struct emission *e)
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"Q_JOINT", rows(e, 1, put_joint_name)},
 		{"QD_JOINT", rows(e, 0, put_joint_name)}, {"Q_MIN", rows(e, 1, put_lower)}, {"Q_MAX", rows(e, 1, put_upper)},
 		{"QD_MAX", rows(e, 0, put_velocity)}, {"TAU_MAX", rows(e, 0, put_effort)}};
-	struct text t;
 
-	text_init(&t, e->arena);
-	if (!emit_is_operation(e))
-		template_expand(&t, template_joints_in, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	return emit_is_operation(e) ? "" : template_text(e->arena, template_joints_in, slots, sizeof slots / sizeof *slots);
 }

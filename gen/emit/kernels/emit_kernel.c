@@ -33,11 +33,8 @@ static const char *in_place_text(const struct emission *e, const struct part *pa
 static const char *spill_text(const struct emission *e, const char *unless_given)
 {
 	const struct slot slots[] = {{"UNLESS_GIVEN", unless_given}};
-	struct text t;
 
-	text_init(&t, e->arena);
-	template_expand(&t, e->target->kernel->spill, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	return template_text(e->arena, e->target->kernel->spill, slots, sizeof slots / sizeof *slots);
 }
 
 const char *emit_spill(const struct emission *e)

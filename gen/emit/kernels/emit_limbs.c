@@ -197,22 +197,17 @@ const char *emit_unless_limbs(const struct emission *e, const char *what)
 static const char *join_text(const struct emission *e, const struct limbs *s, const char *lines)
 {
 	const struct slot slots[] = {{"JOIN", EMIT_JOIN}, {"WARPS", emit_int(e, s->warps)}};
-	struct text t;
 
-	text_init(&t, e->arena);
-	if (strstr(lines, EMIT_JOIN))
-		template_expand(&t, template_limbs_join_in, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	return strstr(lines, EMIT_JOIN) ? template_text(e->arena, template_limbs_join_in, slots, sizeof slots / sizeof *slots) : "";
 }
 
 /* What runs before the warps part: the sines of each part that has them made first. */
 static const char *first_text(const struct emission *e, const struct crew *c)
 {
 	const struct limbs *s = &crew_pass(e, c, 0)->limbs;
-	struct text calls, t;
+	struct text calls;
 	int tables = 0;
 
-	text_init(&t, e->arena);
 	text_init(&calls, e->arena);
 	for (int k = 0; k < c->count; k++) {
 		const struct function *p = crew_pass(e, c, k);
@@ -227,9 +222,7 @@ static const char *first_text(const struct emission *e, const struct crew *c)
 	const struct slot slots[] = {{"T", e->numbers->value}, {"NAME", e->options->name}, {"WORDS", emit_int(e, s->words)},
 		{"CALLS", text_string(&calls)}};
 
-	if (tables)
-		template_expand(&t, template_limbs_first_in, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	return tables ? template_text(e->arena, template_limbs_first_in, slots, sizeof slots / sizeof *slots) : "";
 }
 
 static void put_crew(const struct emission *e, const struct crew *c, struct text *out)
@@ -268,17 +261,12 @@ void emit_limbs(const struct emission *e, struct text *out)
 
 static const char *launch_text(const struct emission *e, const struct crew *c, const char *parts)
 {
-	struct text room, t;
-
-	text_init(&t, e->arena);
-	text_init(&room, e->arena);
-	if (needs_room(e, &crew_pass(e, c, 0)->limbs))
-		text_printf(&room, " && %s_%s_limbs_have_room()", e->options->name, c->named->algorithm->name);
+	const char *room = needs_room(e, &crew_pass(e, c, 0)->limbs)
+		? text_format(e->arena, " && %s_%s_limbs_have_room()", e->options->name, c->named->algorithm->name) : "";
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", c->named->algorithm->name}, {"MACRO", c->macro},
-		{"PARTS", parts}, {"ROOM", text_string(&room)}};
+		{"PARTS", parts}, {"ROOM", room}};
 
-	template_expand(&t, template_launch_limbs_in, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	return template_text(e->arena, template_launch_limbs_in, slots, sizeof slots / sizeof *slots);
 }
 
 const char *emit_launch_limbs(const struct emission *e)

@@ -255,18 +255,16 @@ void emit_relay_solve(const struct emission *e, struct text *out)
 const char *emit_launch_relay(const struct emission *e)
 {
 	const struct function *p = emit_main(e);
-	struct text t;
 
-	text_init(&t, e->arena);
+	if (!e->relay)
+		return "";
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},
-		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"ROOM", emit_int(e, e->relay ? e->relay->room : 0)},
-		{"LAUNCH_LIMBS", emit_launch_start_limbs(e)}, {"START_PARTS", emit_along(e, e->relay ? e->relay->start_count : 0)}};
+		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"ROOM", emit_int(e, e->relay->room)},
+		{"LAUNCH_LIMBS", emit_launch_start_limbs(e)}, {"START_PARTS", emit_along(e, e->relay->start_count)}};
 
-	if (e->relay)
-		template_expand(&t, template_launch_relay_in, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	return template_text(e->arena, template_launch_relay_in, slots, sizeof slots / sizeof *slots);
 }
 
 const char *emit_launch_head(const struct emission *e)

@@ -312,9 +312,6 @@ struct slices emit_slices(const struct emission *e, const struct stretches *s, c
 const char *emit_slices_declaration(const struct emission *e, int words)
 {
 	const struct slot slots[] = {{"T", e->memory->type}, {"WORDS", emit_int(e, words)}};
-	struct text t;
 
-	text_init(&t, e->arena);
-	template_expand(&t, e->target->kernel->slices, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	return template_text(e->arena, e->target->kernel->slices, slots, sizeof slots / sizeof *slots);
 }

@@ -109,12 +109,8 @@ static const char *leave_text(const struct emission *e, const struct function *p
 {
 	int rows = 0;
 	const struct slot slots[] = {{"TILES", moves_text(e, p, 1, &rows)}};
-	struct text t;
 
-	text_init(&t, e->arena);
-	if (rows)
-		template_expand(&t, template_tiles_leave_in, slots, sizeof slots / sizeof *slots);
-	return text_string(&t);
+	return rows ? template_text(e->arena, template_tiles_leave_in, slots, sizeof slots / sizeof *slots) : "";
 }
 
 void emit_tiled_kernel(const struct emission *e, const struct tiled_kernel *k, struct text *out)
@@ -162,10 +158,11 @@ void emit_tiles(const struct emission *e, struct text *out)
 const char *emit_tiles_launch(const struct emission *e)
 {
 	const struct tiles t = find_tiles(e);
-	struct text list, text;
+	struct text list;
 
+	if (!emit_alone_least(e) || !emit_has_tiles(e))
+		return "";
 	text_init(&list, e->arena);
-	text_init(&text, e->arena);
 	for (int i = 0; i < t.count; i++)
 		text_printf(&list, "%s{%d, %d, %d}", i ? ", " : "", t.list[i].argument,
 			emit_main(e)->dag.arguments[t.list[i].argument].rows, t.list[i].rows);
@@ -174,7 +171,5 @@ const char *emit_tiles_launch(const struct emission *e)
 		{"UNTILED", emit_serves_untiled(e) ? "1" : "0"},
 		{"WITHOUT", emit_serves_untiled(e) ? "kernels of parts pay too" : "it is faster"}};
 
-	if (emit_alone_least(e) && emit_has_tiles(e))
-		template_expand(&text, template_tiles_launch_in, slots, sizeof slots / sizeof *slots);
-	return text_string(&text);
+	return template_text(e->arena, template_tiles_launch_in, slots, sizeof slots / sizeof *slots);
 }
