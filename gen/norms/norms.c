@@ -286,12 +286,30 @@ static int form_is_wide(const struct norms *x, const struct norms_form *f)
 	return f && ((f->x && x->is_wide_set[f->x - 1]) || (f->u && (x->is_wide_set[f->u - 1] || x->is_wide_set[f->v - 1])));
 }
 
+static int node_is_wide(const struct norms *x, const struct node *n)
+{
+	int found = n->op == OP_INPUT && input_of(x, n) >= 0;
+
+	for (int k = 0; k < op_arity[n->op]; k++)
+		found |= x->is_wide[n->arg[k].i];
+	return found;
+}
+
+static int set_is_wide(const struct norms *x, const struct norms_set *s)
+{
+	int found = form_is_wide(x, s->form) || (s->one && x->is_wide_set[s->one - 1]) || (s->other && x->is_wide_set[s->other - 1]) ||
+		(s->rest && x->is_wide_set[s->rest - 1]);
+
+	for (int k = 0; k < s->count; k++)
+		found |= x->is_wide[s->nodes[k]];
+	return found;
+}
+
 int norms_lay(struct norms *x, struct arena *a)
 {
 	size_t n, most = x->lanes ? MOST_LANES : 0;
 
 	sort(x);
-
 	x->inputs = arena_alloc(a, x->d->count, sizeof *x->inputs);
 	x->is_wide = arena_alloc(a, x->d->count, 1);
 	x->is_wide_set = arena_alloc(a, (size_t)x->set_count + 1, 1);
@@ -303,24 +321,13 @@ int norms_lay(struct norms *x, struct arena *a)
 	n = (size_t)(list_inputs(x, 1, x->drive_count) - x->drive_count);
 	x->rate_count = (int)n;
 	x->lanes = (1 + (size_t)x->drive_count + n + n * (n + 1) / 2 + 7) / 8 * 8;
-	for (size_t i = 0; i < x->d->count && x->lanes <= most; i++)
-		for (int k = 0; k < (op_arity[x->d->nodes[i].op] ? op_arity[x->d->nodes[i].op] : 1); k++)
-			x->is_wide[i] |= op_arity[x->d->nodes[i].op] ? x->is_wide[x->d->nodes[i].arg[k].i]
-								      : x->d->nodes[i].op == OP_INPUT &&
-									input_of(x, &x->d->nodes[i]) >= 0;
 	for (uint32_t i = 0; i < x->d->count; i++) {
+		x->is_wide[i] = x->lanes <= most && node_is_wide(x, &x->d->nodes[i]);
 		x->at[i] = (uint32_t)x->value_count;
 		x->value_count += 2 * (x->is_wide[i] ? x->lanes : 1);
 	}
 	for (uint32_t i = 0; i < x->set_count; i++) {
-		for (int k = 0; k < x->sets[i].count; k++)
-			x->is_wide_set[i] |= x->is_wide[x->sets[i].nodes[k]];
-		x->is_wide_set[i] = (unsigned char)(x->is_wide_set[i] | form_is_wide(x, x->sets[i].form));
-		for (int k = 0; k < 3; k++) {
-			uint32_t by = k == 0 ? x->sets[i].one : k == 1 ? x->sets[i].other : x->sets[i].rest;
-
-			x->is_wide_set[i] |= by && x->is_wide_set[by - 1];
-		}
+		x->is_wide_set[i] = (unsigned char)set_is_wide(x, &x->sets[i]);
 		x->set_at[i] = (uint32_t)x->norm_count;
 		x->norm_count += x->is_wide_set[i] ? x->lanes : 1;
 	}

@@ -97,6 +97,27 @@ static int refuse_dtype(const struct array *a, PyObject *array, int is_output)
 	return -1;
 }
 
+static int refuse_other_dtype(const struct array *a, PyObject *array, int is_output, const struct lead *lead)
+{
+	PyObject *type = PyObject_GetAttrString(array, "dtype");
+
+	if (type)
+		PyErr_Format(PyExc_TypeError, "%s%U: its dtype is %S, and that of %U is float%d: all arrays have one",
+			part_of(is_output), a->name, type, lead->scalar_of, lead->scalar == F32 ? 32 : 64);
+	Py_XDECREF(type);
+	return -1;
+}
+
+static int refuse_order(const struct array *a, int is_output, int is_fortran)
+{
+	PyErr_Format(PyExc_ValueError,
+		is_output && is_fortran ? "out: the array for %U is in Fortran order; give one in C order, as numpy.empty makes it"
+		: is_output ? "out: the array for %U is not contiguous; give one that is, as numpy.empty makes it"
+		: is_fortran ? "%U: it is in Fortran order; numpy.ascontiguousarray makes a copy in C order"
+		: "%U: it is not contiguous; numpy.ascontiguousarray makes a copy that is", a->name);
+	return -1;
+}
+
 /* Returns 1 where a copy in one piece is to take its place. */
 static int check_array(const struct array *a, PyObject *array, const struct call *c, int is_output, struct lead *lead)
 {
@@ -107,15 +128,8 @@ static int check_array(const struct array *a, PyObject *array, const struct call
 
 	if (scalar < 0)
 		return refuse_dtype(a, array, is_output);
-	if (lead->scalar_of && scalar != lead->scalar) {
-		PyObject *type = PyObject_GetAttrString(array, "dtype");
-
-		if (type)
-			PyErr_Format(PyExc_TypeError, "%s%U: its dtype is %S, and that of %U is float%d: all arrays have one",
-				part_of(is_output), a->name, type, lead->scalar_of, lead->scalar == F32 ? 32 : 64);
-		Py_XDECREF(type);
-		return -1;
-	}
+	if (lead->scalar_of && scalar != lead->scalar)
+		return refuse_other_dtype(a, array, is_output, lead);
 	if (!lead->scalar_of) {
 		lead->scalar_of = a->name;
 		lead->scalar = scalar;
@@ -131,15 +145,11 @@ static int check_array(const struct array *a, PyObject *array, const struct call
 	if ((order != 'C' || !is_aligned) && !is_output && c->copy)
 		return 1;
 	if (order != 'C')
-		PyErr_Format(PyExc_ValueError,
-			is_output && order ? "out: the array for %U is in Fortran order; give one in C order, as numpy.empty makes it"
-			: is_output ? "out: the array for %U is not contiguous; give one that is, as numpy.empty makes it"
-			: order ? "%U: it is in Fortran order; numpy.ascontiguousarray makes a copy in C order"
-			: "%U: it is not contiguous; numpy.ascontiguousarray makes a copy that is", a->name);
-	else if (!is_aligned)
+		return refuse_order(a, is_output, order != 0);
+	if (!is_aligned)
 		PyErr_Format(PyExc_ValueError, "%s%U: its numbers do not stand at multiples of %zd bytes; numpy.copy makes an array whose do",
 			part_of(is_output), a->name, v->itemsize);
-	return order == 'C' && is_aligned ? 0 : -1;
+	return is_aligned ? 0 : -1;
 }
 
 static int take_view(PyObject *array, struct call *c, int i)
