@@ -19,7 +19,7 @@ const char *emit_int(const struct emission *e, int value)
 	return text_format(e->arena, "%d", value);
 }
 
-int emit_pass_uses(const struct function *p, enum op op)
+int emit_function_uses(const struct function *p, enum op op)
 {
 	for (size_t i = 0; i < p->dag.count; i++)
 		if (p->dag.nodes[i].op == op)
@@ -30,7 +30,7 @@ int emit_pass_uses(const struct function *p, enum op op)
 int emit_uses(const struct emission *e, enum op op)
 {
 	for (int i = 0; i < e->function_count; i++)
-		if (emit_pass_uses(&e->functions[i], op))
+		if (emit_function_uses(&e->functions[i], op))
 			return 1;
 	return 0;
 }

@@ -159,7 +159,7 @@ const char *emit_layout_name(enum rneagen_layout layout);
 void emit_options(const struct rneagen_options *o, struct text *out);
 
 /* Is there such an operation in a function; in the text? */
-int emit_pass_uses(const struct function *p, enum op op);
+int emit_function_uses(const struct function *p, enum op op);
 int emit_uses(const struct emission *e, enum op op);
 /* The same of wide nodes, or of the others. */
 int emit_uses_in(const struct emission *e, enum op op, int is_wide);

@@ -248,9 +248,9 @@ static void put_operations_within(
 	const struct emission *e, const struct function *p, const struct slot *slots, size_t count, struct text *out)
 {
 	template_expand(out, template_bounded_in, slots, count);
-	if (emit_pass_uses(p, OP_SIN) || emit_pass_uses(p, OP_COS))
+	if (emit_function_uses(p, OP_SIN) || emit_function_uses(p, OP_COS))
 		template_expand(out, template_bounded_sincos_in, slots, count);
-	if (emit_pass_uses(p, OP_DIV) || emit_pass_uses(p, OP_SQRT))
+	if (emit_function_uses(p, OP_DIV) || emit_function_uses(p, OP_SQRT))
 		template_expand(out, template_bounded_quotient_in, slots, count);
 	if (e->memory != e->arithmetic)
 		template_expand(out, template_bounded_store_in, slots, count);

@@ -4,7 +4,7 @@
 
 #include "emit/emit.h"
 
-/* NAME_PASS_part, which computes samples first to end - 1 of a batch, and what it calls. */
+/* NAME_FUNCTION_part, which computes samples first to end - 1 of a batch, and what it calls. */
 void emit_groups(const struct emission *e, const struct function *p, struct text *out);
 
 /* What moves samples into arrays of a group's own and back: once for all functions; nothing where none does. */

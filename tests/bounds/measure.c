@@ -121,7 +121,7 @@ static void add_sample(struct measured *x, const struct eval_model *m)
 	compiled_set(t);
 	run(x);
 	compiled_refer(t);
-	if (!eval_bound(&t->hard.model.dag[PASS_RNEA], m, (const double *[]){t->state[0], t->state[1], t->state[2], NULL},
+	if (!eval_bound(&t->hard.model.dag[ALGORITHM_rnea], m, (const double *[]){t->state[0], t->state[1], t->state[2], NULL},
 			(double *[]){NULL, NULL, NULL, t->eval}))
 		abort();
 	for (int i = 0; i < t->nv; i++) {

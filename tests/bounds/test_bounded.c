@@ -110,7 +110,7 @@ static void check_sample(struct fixture *x)
 	compiled_sample(&x->text, &x->rng);
 	compiled_set(&x->text);
 	run_bounded(x);
-	ck_assert(eval_bound(&x->text.hard.model.dag[PASS_RNEA], &m, (const double *[]){x->text.state[0], x->text.state[1],
+	ck_assert(eval_bound(&x->text.hard.model.dag[ALGORITHM_rnea], &m, (const double *[]){x->text.state[0], x->text.state[1],
 		x->text.state[2], NULL}, (double *[]){NULL, NULL, NULL, x->text.eval}));
 	compiled_refer(&x->text);
 	for (int i = 0; i < x->text.nv; i++)

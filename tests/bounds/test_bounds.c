@@ -117,7 +117,7 @@ static void next_state(struct fixture *x, int sample, int large)
 
 static void compute(struct fixture *x, const struct variant *v)
 {
-	const struct dag *d = &x->model.dag[PASS_RNEA];
+	const struct dag *d = &x->model.dag[ALGORITHM_rnea];
 
 	if (v->options.precision == RNEAGEN_F32)
 		ck_assert(eval_f32(d, (const float *[]){x->in_f32[0], x->in_f32[1], x->in_f32[2], NULL},
@@ -159,13 +159,13 @@ static void check_variant(struct fixture *x, struct variant *v)
 
 	for (int k = 0; k < SAMPLES; k++) {
 		next_state(x, k, !fast);
-		ck_assert(eval_bound(&x->model.dag[PASS_RNEA], &m, (const double *[]){x->q, x->qd, x->qdd, NULL},
+		ck_assert(eval_bound(&x->model.dag[ALGORITHM_rnea], &m, (const double *[]){x->q, x->qd, x->qdd, NULL},
 			(double *[]){NULL, NULL, NULL, x->bound}));
 		quad_rnea(x->quad, x->q, x->qd, x->qdd, x->reference);
 		quad_magnitude(x->quad, x->q, x->qd, x->qdd, x->noise);
 		compute(x, v);
 		error = fmax(error, judge(x, v, "computed", 0));
-		worst_evaluate(&x->model.dag[PASS_RNEA], &m, &x->rng, (const double *[]){x->q, x->qd, x->qdd, NULL},
+		worst_evaluate(&x->model.dag[ALGORITHM_rnea], &m, &x->rng, (const double *[]){x->q, x->qd, x->qdd, NULL},
 			(double *[]){NULL, NULL, NULL, x->tau});
 		if (fast)
 			error = fmax(error, judge(x, v, "at its worst", 0x1p-53));
@@ -237,7 +237,7 @@ START_TEST(unknown)
 			x.q[i] = cases[k].q;
 			x.qd[i] = cases[k].qd;
 		}
-		ck_assert(eval_bound(&x.model.dag[PASS_RNEA], &m, (const double *[]){x.q, x.qd, x.qdd, NULL},
+		ck_assert(eval_bound(&x.model.dag[ALGORITHM_rnea], &m, (const double *[]){x.q, x.qd, x.qdd, NULL},
 			(double *[]){NULL, NULL, NULL, x.bound}));
 		ck_assert_msg(isinf(x.bound[1]), "%s: q %g, qd %g: bound %g", v->name, cases[k].q, cases[k].qd, x.bound[1]);
 	}

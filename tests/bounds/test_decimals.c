@@ -81,7 +81,7 @@ static void judge(struct fixture *x, const struct kind *k, const char *how, doub
 /* As gen/eval computes it, and by arithmetic that does the worst its model allows. */
 static void check_kind(struct fixture *x, const struct kind *k)
 {
-	const struct dag *d = &x->model.dag[PASS_RNEA];
+	const struct dag *d = &x->model.dag[ALGORITHM_rnea];
 	const double *in[] = {x->state[0], x->state[1], x->state[2], NULL};
 	struct eval_model m = eval_model_of(&k->options, k->on_gpu);
 

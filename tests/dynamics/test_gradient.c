@@ -84,7 +84,7 @@ static const real *input(const struct probe *p, const char *name, real *to, cons
 /* Evaluate; out[i] gets the rows of the i-th output, v is what jvp_v and vjp_v are. */
 static void evaluate(const struct probe *p, const real *v, real *const *out)
 {
-	const struct dag *d = &p->m.dag[PASS_RNEA];
+	const struct dag *d = &p->m.dag[ALGORITHM_rnea];
 	const real *in[DAG_ARGUMENTS] = {NULL};
 	real *to[DAG_ARGUMENTS] = {NULL}, *rows = calloc(3 * ROWS, sizeof *rows);
 	int next = 0;

@@ -114,7 +114,7 @@ START_TEST(split_links)
 		s = split(&model.robot, &model.arena, &rng);
 		ck_assert(torque_dag(&d, &t, &s, &options, &model.arena));
 		ck_assert_int_eq(t.body_count, model.tree.body_count);
-		torque_of(&model.dag[PASS_RNEA], &pose, &whole);
+		torque_of(&model.dag[ALGORITHM_rnea], &pose, &whole);
 		torque_of(&d, &pose, &parts);
 		for (int i = 0; i < pose.nv; i++)
 			check_near(parts.tau[i], whole.tau[i], NOISE * (real)fmax(whole.size[i], parts.size[i]),
@@ -183,7 +183,7 @@ START_TEST(order_of_rows)
 		tried += options.order && strchr(options.order, ',');
 		ck_assert(torque_dag(&d, &t, &model.robot, &options, &model.arena));
 		move_pose(&p, &t, &model.tree);
-		torque_of(&model.dag[PASS_RNEA], &pose, &before);
+		torque_of(&model.dag[ALGORITHM_rnea], &pose, &before);
 		torque_of(&d, &p, &after);
 		for (int i = 0; i < t.joint_count; i++)
 			for (int k = 0; k < t.joints[i].nv; k++) {
@@ -245,7 +245,7 @@ START_TEST(followers_written_out)
 		ck_assert(torque_dag(&d, &t, &model.robot, &options, &model.arena));
 		move_pose(&p, &t, &model.tree);
 		move_followers(&p, &t);
-		torque_of(&model.dag[PASS_RNEA], &pose, &honoured);
+		torque_of(&model.dag[ALGORITHM_rnea], &pose, &honoured);
 		torque_of(&d, &p, &all);
 		for (int i = 0; i < model.tree.joint_count; i++) {
 			const struct tree_joint *own = &model.tree.joints[i];

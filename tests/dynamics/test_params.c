@@ -43,11 +43,11 @@ static void check_model(struct cheaper *t, const char *urdf, size_t length, stru
 
 	o.scene = "params urdf\n";
 	model_open(&m, urdf, length, &o, what);
-	stated = flops_of(&m.dag[PASS_RNEA]);
+	stated = flops_of(&m.dag[ALGORITHM_rnea]);
 	model_close(&m);
 	o.scene = "params base\n";
 	model_open(&m, urdf, length, &o, what);
-	base = flops_of(&m.dag[PASS_RNEA]);
+	base = flops_of(&m.dag[ALGORITHM_rnea]);
 	ck_assert_msg(base <= stated, "%s: %ld flops, more than %ld", what, base, stated);
 	f64 = model_error_f64(&m, seed, samples);
 	f32 = model_error_f32(&m, seed + 1, samples);
@@ -265,8 +265,8 @@ static void check_restated(uint64_t seed)
 				(struct sum){within_exact(1), 1});
 	}
 	ck_assert(tree_restate(&other, &m.tree, by, &m.arena));
-	dag_init(&m.dag[PASS_RNEA], &m.arena);
-	ALGORITHMS[PASS_RNEA]->build(&m.dag[PASS_RNEA], &other, &m.request);
+	dag_init(&m.dag[ALGORITHM_rnea], &m.arena);
+	ALGORITHMS[ALGORITHM_rnea]->build(&m.dag[ALGORITHM_rnea], &other, &m.request);
 	e = model_error_f64(&m, seed, RANDOM_SAMPLES);
 	ck_assert_msg(e.terms <= LIMIT_TERMS && e.bound <= 1, "seed %llu: %g eps of the magnitudes, %g of the bound",
 		(unsigned long long)seed, e.terms, e.bound);

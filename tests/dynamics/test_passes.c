@@ -28,10 +28,10 @@ static void run_passes(const struct model *m)
 	const double *in[] = {p.q, p.qd, p.qdd, NULL, NULL, NULL}, *back[] = {p.q, p.f, NULL};
 
 	ck_assert(m->tree.body_count * 6 <= ROWS && m->tree.nq <= ROWS);
-	ck_assert(eval_f64(&m->dag[PASS_FPASS], in, (double *[]){NULL, NULL, NULL, p.v, p.a, p.f},
+	ck_assert(eval_f64(&m->dag[ALGORITHM_fpass], in, (double *[]){NULL, NULL, NULL, p.v, p.a, p.f},
 		&(struct eval_terms){.size = p.size}));
-	ck_assert(eval_f64(&m->dag[PASS_BPASS], back, (double *[]){NULL, NULL, p.halves}, NULL));
-	ck_assert(eval_f64(&m->dag[PASS_RNEA], in, (double *[]){NULL, NULL, NULL, p.whole},
+	ck_assert(eval_f64(&m->dag[ALGORITHM_bpass], back, (double *[]){NULL, NULL, p.halves}, NULL));
+	ck_assert(eval_f64(&m->dag[ALGORITHM_rnea], in, (double *[]){NULL, NULL, NULL, p.whole},
 		&(struct eval_terms){.size = p.whole_size}));
 }
 
@@ -41,7 +41,7 @@ static double check_out(const struct model *m, const char *what)
 {
 	static const char *const names[] = {"v", "a", "f"};
 	const double *got[] = {p.v, p.a, p.f};
-	const struct dag *d = &m->dag[PASS_FPASS];
+	const struct dag *d = &m->dag[ALGORITHM_fpass];
 	double worst = 0;
 
 	ck_assert_uint_eq(d->output_count, 18 * (size_t)m->tree.body_count);
@@ -66,8 +66,8 @@ static double check_together(const struct model *m, const char *what)
 {
 	double size[ROWS] = {0}, worst = 0;
 
-	for (size_t i = 0; i < m->dag[PASS_RNEA].output_count; i++)
-		size[m->dag[PASS_RNEA].outputs[i].row] = p.whole_size[i];
+	for (size_t i = 0; i < m->dag[ALGORITHM_rnea].output_count; i++)
+		size[m->dag[ALGORITHM_rnea].outputs[i].row] = p.whole_size[i];
 	for (int i = 0; i < m->tree.nv; i++) {
 		double off = fabs(p.whole[i] - p.halves[i]) / 0x1p-52;
 

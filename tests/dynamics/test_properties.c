@@ -48,16 +48,16 @@ START_TEST(linear_in_qdd)
 		struct pose p;
 
 		set_up(seed, 0, tilted);
-		torque_of(&model.dag[PASS_RNEA], &pose, &x);
+		torque_of(&model.dag[ALGORITHM_rnea], &pose, &x);
 		p = pose;
 		for (int i = 0; i < pose.nv; i++)
 			p.qdd[i] = sinl(i + 1);
-		torque_of(&model.dag[PASS_RNEA], &p, &y);
+		torque_of(&model.dag[ALGORITHM_rnea], &p, &y);
 		memset(p.qdd, 0, sizeof p.qdd);
-		torque_of(&model.dag[PASS_RNEA], &p, &zero);
+		torque_of(&model.dag[ALGORITHM_rnea], &p, &zero);
 		for (int i = 0; i < pose.nv; i++)
 			p.qdd[i] = a * pose.qdd[i] + b * sinl(i + 1);
-		torque_of(&model.dag[PASS_RNEA], &p, &both);
+		torque_of(&model.dag[ALGORITHM_rnea], &p, &both);
 		for (int i = 0; i < pose.nv; i++)
 			check_near(both.tau[i], a * x.tau[i] + b * y.tau[i] + (1 - a - b) * zero.tau[i],
 				ROUNDING * 8 * ((real)x.size[i] + (real)y.size[i]), seed, i, "linear in qdd");
@@ -78,17 +78,17 @@ START_TEST(gravity_and_velocity_scale)
 		memset(pose.qdd, 0, sizeof pose.qdd);
 		p = pose;
 		memset(p.qd, 0, sizeof p.qd);
-		torque_of(&model.dag[PASS_RNEA], &p, &g);
+		torque_of(&model.dag[ALGORITHM_rnea], &p, &g);
 		model_close(&model);
 		set_up(seed, 0, more);
-		torque_of(&model.dag[PASS_RNEA], &p, &g3);
+		torque_of(&model.dag[ALGORITHM_rnea], &p, &g3);
 		model_close(&model);
 		set_up(seed, 0, none);
 		memset(pose.qdd, 0, sizeof pose.qdd);
-		torque_of(&model.dag[PASS_RNEA], &pose, &bias);
+		torque_of(&model.dag[ALGORITHM_rnea], &pose, &bias);
 		for (int i = 0; i < pose.nv; i++)
 			pose.qd[i] *= -2;
-		torque_of(&model.dag[PASS_RNEA], &pose, &bias2);
+		torque_of(&model.dag[ALGORITHM_rnea], &pose, &bias2);
 		for (int i = 0; i < pose.nv; i++) {
 			check_near(g3.tau[i], 3 * g.tau[i], ROUNDING * (real)g3.size[i], seed, i, "three times the gravity");
 			check_near(bias2.tau[i], 4 * bias.tau[i], ROUNDING * (real)bias2.size[i], seed, i,
@@ -107,7 +107,7 @@ START_TEST(gravity_is_an_acceleration)
 		real x, y, z, w, up[3];
 
 		set_up(seed, 0, tilted);
-		torque_of(&model.dag[PASS_RNEA], &pose, &with);
+		torque_of(&model.dag[ALGORITHM_rnea], &pose, &with);
 		model_close(&model);
 		set_up(seed, 0, none);
 		x = pose.q[3], y = pose.q[4], z = pose.q[5], w = pose.q[6];
@@ -119,7 +119,7 @@ START_TEST(gravity_is_an_acceleration)
 			(1 - 2 * (x * x + y * y)) * tilted[2]);
 		for (int i = 0; i < 3; i++)
 			pose.qdd[i] += up[i];
-		torque_of(&model.dag[PASS_RNEA], &pose, &without);
+		torque_of(&model.dag[ALGORITHM_rnea], &pose, &without);
 		for (int i = 0; i < pose.nv; i++)
 			check_near(with.tau[i], without.tau[i], ROUNDING * 4 * (real)with.size[i], seed, i, "base accelerates");
 		model_close(&model);
@@ -145,7 +145,7 @@ static void mass_matrix(void)
 	for (int j = 0; j < pose.nv; j++) {
 		memset(pose.qdd, 0, sizeof pose.qdd);
 		pose.qdd[j] = 1;
-		torque_of(&model.dag[PASS_RNEA], &pose, &t);
+		torque_of(&model.dag[ALGORITHM_rnea], &pose, &t);
 		for (int i = 0; i < pose.nv; i++) {
 			matrix.m[i][j] = t.tau[i];
 			matrix.size[i][j] = t.size[i];
@@ -265,7 +265,7 @@ static real kinetic_energy(real t)
 		p.q[i] = pose.q[i] + t * (pose.qd[i] + t * pose.qdd[i] / 2);
 		p.qdd[i] = pose.qd[i] + t * pose.qdd[i];
 	}
-	torque_of(&model.dag[PASS_RNEA], &p, &momentum);
+	torque_of(&model.dag[ALGORITHM_rnea], &p, &momentum);
 	for (int i = 0; i < pose.nv; i++)
 		energy += p.qdd[i] * momentum.tau[i] / 2;
 	return energy;
@@ -281,7 +281,7 @@ START_TEST(power_balance)
 		struct torque t;
 
 		set_up(seed, NO_FLOATING, none);
-		torque_of(&model.dag[PASS_RNEA], &pose, &t);
+		torque_of(&model.dag[ALGORITHM_rnea], &pose, &t);
 		for (int i = 0; i < pose.nv; i++) {
 			power += t.tau[i] * pose.qd[i];
 			scale += (real)t.size[i] * fabsl(pose.qd[i]);

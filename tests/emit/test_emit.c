@@ -396,7 +396,7 @@ static void check_names_of(const char *text, size_t length, enum rneagen_base ba
 
 	o.base = base;
 	model_open(&m, text, length, &o, what);
-	for (int i = 0; i < PASS_COUNT; i++)
+	for (int i = 0; i < MODEL_DAGS; i++)
 		check_names(&m, i, what);
 	model_close(&m);
 }

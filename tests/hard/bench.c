@@ -56,7 +56,7 @@ static void trial_free(struct trial *t)
 /* The same DAG, its constants rounded as the text writes them. */
 static void round_constants(struct bench *b)
 {
-	const struct dag *d = &b->hard.model.dag[PASS_RNEA];
+	const struct dag *d = &b->hard.model.dag[ALGORITHM_rnea];
 
 	b->rounded = *d;
 	b->rounded.nodes = numbers_new((int)d->count, sizeof *d->nodes);
@@ -91,7 +91,7 @@ static int evaluate_quad(const struct dag *d, struct trial *t, __float128 *tau)
 /* In the precision that is measured; a float's torques widened. */
 static int evaluate(struct bench *b, const struct eval_terms *terms)
 {
-	const struct dag *d = &b->hard.model.dag[PASS_RNEA];
+	const struct dag *d = &b->hard.model.dag[ALGORITHM_rnea];
 	struct trial *t = &b->trial;
 	const float *in_f32[] = {t->in_f32[0], t->in_f32[1], t->in_f32[2], NULL};
 	const double *in_f64[] = {t->q, t->qd, t->qdd, NULL};
@@ -107,7 +107,7 @@ static int evaluate(struct bench *b, const struct eval_terms *terms)
 
 static void run_trial(struct bench *b)
 {
-	const struct dag *d = &b->hard.model.dag[PASS_RNEA];
+	const struct dag *d = &b->hard.model.dag[ALGORITHM_rnea];
 	struct trial *t = &b->trial;
 	struct eval_terms terms = {t->terms, t->terms + b->nv};
 
@@ -238,7 +238,7 @@ static unsigned count_flops(struct model *m)
 	struct operation_count n;
 	struct plan plan;
 
-	if (!plan_build(&plan, &m->dag[PASS_RNEA], &m->tree, &m->arena))
+	if (!plan_build(&plan, &m->dag[ALGORITHM_rnea], &m->tree, &m->arena))
 		abort();
 	n = plan_operations(&plan);
 	return n.mul + n.add + n.sub + 2 * n.fma;

@@ -149,11 +149,11 @@ static void open_model(struct hard *h)
 		refuse(h, e.message);
 	m->tree = x->tree;
 	m->request = x->request;
-	dag_init(&m->raw[PASS_RNEA], &m->arena);
-	algorithm_rnea.build(&m->raw[PASS_RNEA], &m->tree, &m->request);
-	dag_init(&m->dag[PASS_RNEA], &m->arena);
-	dag_fuse(&m->dag[PASS_RNEA], &m->raw[PASS_RNEA], 0);
-	if (m->dag[PASS_RNEA].failed)
+	dag_init(&m->raw[ALGORITHM_rnea], &m->arena);
+	algorithm_rnea.build(&m->raw[ALGORITHM_rnea], &m->tree, &m->request);
+	dag_init(&m->dag[ALGORITHM_rnea], &m->arena);
+	dag_fuse(&m->dag[ALGORITHM_rnea], &m->raw[ALGORITHM_rnea], 0);
+	if (m->dag[ALGORITHM_rnea].failed)
 		refuse(h, "out of memory");
 	m->reference = reference_open(h->urdf, h->length, &o, message, sizeof message);
 	if (!m->reference)

@@ -38,7 +38,7 @@ static void fixture_close(struct fixture *x)
 /* gen/eval's torques and bounds, by row. */
 static void evaluate(struct fixture *x)
 {
-	const struct dag *d = &x->text.hard.model.dag[PASS_RNEA];
+	const struct dag *d = &x->text.hard.model.dag[ALGORITHM_rnea];
 	double *bound = numbers_new(x->text.nv, sizeof *bound);
 	struct eval_terms terms = {NULL, bound};
 	float *tau = numbers_new(x->text.nv, sizeof *tau);
@@ -84,7 +84,7 @@ static void check_sample(struct fixture *x, int *finite)
 	evaluate(x);
 	compiled_refer(&x->text);
 	target_rnea(&x->text.target, &x->text.in[0], &x->text.in[1], &x->text.in[2], &x->text.tau);
-	rerun(&x->text.hard.model.dag[PASS_RNEA], &x->text.target, 0, in, out);
+	rerun(&x->text.hard.model.dag[ALGORITHM_rnea], &x->text.target, 0, in, out);
 	for (int i = 0; i < x->text.nv; i++)
 		*finite += judge(x, i);
 }

@@ -87,7 +87,7 @@ static void check_width(const char *scene, wide width)
 	for (int k = 0; k < STATES; k++) {
 		struct state s = draw(m.reference, &rng, width, k);
 
-		check(&m.dag[PASS_RNEA], &s);
+		check(&m.dag[ALGORITHM_rnea], &s);
 	}
 	model_close(&m);
 }

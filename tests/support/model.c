@@ -27,9 +27,9 @@ void model_open(struct model *m, const char *urdf, size_t length, const struct r
 	ck_assert_msg(!merged_analysis(&x, &m->robot, o, &m->arena, &e), "%s", e.message);
 	m->tree = x->stated;
 	m->request = x->request;
-	for (int i = 0; i < PASS_COUNT; i++) {
+	for (int i = 0; i < MODEL_DAGS; i++) {
 		dag_init(&m->raw[i], &m->arena);
-		ALGORITHMS[i]->build(&m->raw[i], i == PASS_RNEA ? &x->tree : &m->tree, &m->request);
+		ALGORITHMS[i]->build(&m->raw[i], i == ALGORITHM_rnea ? &x->tree : &m->tree, &m->request);
 		dag_init(&m->dag[i], &m->arena);
 		dag_fuse(&m->dag[i], &m->raw[i], o->strict);
 		ck_assert(!m->dag[i].failed);
@@ -88,7 +88,7 @@ static void evaluate_f64(struct model *m, struct sample *s)
 	double *out[] = {NULL, NULL, NULL, s->tau};
 	struct eval_terms terms = {s->size, s->bound};
 
-	ck_assert(eval_f64(&m->dag[PASS_RNEA], in, out, &terms));
+	ck_assert(eval_f64(&m->dag[ALGORITHM_rnea], in, out, &terms));
 }
 
 static void evaluate_f32(struct model *m, struct sample *s)
@@ -101,7 +101,7 @@ static void evaluate_f32(struct model *m, struct sample *s)
 	for (int i = 0; i < 3; i++)
 		for (int k = 0; k < (i ? m->tree.nv : m->tree.nq); k++)
 			s->in_f32[i][k] = (float)from[i][k];
-	ck_assert(eval_f32(&m->dag[PASS_RNEA], in, out, &terms));
+	ck_assert(eval_f32(&m->dag[ALGORITHM_rnea], in, out, &terms));
 	for (int k = 0; k < m->tree.nv; k++)
 		s->tau[k] = (double)s->tau_f32[k];
 }
@@ -114,7 +114,7 @@ static double ratio(double a, double b)
 /* Terms and bounds stand in the order of the DAG's outputs. */
 static void judge(const struct model *m, const struct sample *s, double eps, struct model_error *e)
 {
-	const struct dag *d = &m->dag[PASS_RNEA];
+	const struct dag *d = &m->dag[ALGORITHM_rnea];
 	double error = reference_error(s->tau, s->reference, m->tree.nv);
 
 	e->max = error > e->max || error != error ? error : e->max;

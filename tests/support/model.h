@@ -8,15 +8,15 @@
 #include "dynamics/registry.h"
 #include "support/read.h"
 
-/* The DAGs of a model, in the order of the registry. */
-enum { PASS_RNEA = ALGORITHM_rnea, PASS_FPASS = ALGORITHM_fpass, PASS_BPASS = ALGORITHM_bpass, PASS_COUNT };
+/* The DAGs of a model are by their number in the registry: the torques' and the halves'. */
+enum { MODEL_DAGS = ALGORITHM_bpass + 1 };
 
 struct model {
 	struct arena arena;
 	struct robot robot;
 	struct tree tree;
 	struct request request;
-	struct dag raw[PASS_COUNT], dag[PASS_COUNT];
+	struct dag raw[MODEL_DAGS], dag[MODEL_DAGS];
 	struct reference *reference;
 };
 

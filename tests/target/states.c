@@ -15,7 +15,7 @@ static void evaluate_f64(struct model *m, struct states *s, size_t k, const stru
 	const double *in[] = {s->q + k * (size_t)s->nq, s->qd + k * (size_t)s->nv, s->qdd + k * (size_t)s->nv, NULL};
 	double *out[] = {NULL, NULL, NULL, s->eval + k * (size_t)s->nv};
 
-	ck_assert(eval_f64(&m->dag[PASS_RNEA], in, out, terms));
+	ck_assert(eval_f64(&m->dag[ALGORITHM_rnea], in, out, terms));
 }
 
 static void evaluate_f32(struct model *m, struct states *s, size_t k, const struct eval_terms *terms)
@@ -32,7 +32,7 @@ static void evaluate_f32(struct model *m, struct states *s, size_t k, const stru
 		x[nq + i] = (float)s->qd[k * nv + i];
 		x[nq + nv + i] = (float)s->qdd[k * nv + i];
 	}
-	ck_assert(eval_f32(&m->dag[PASS_RNEA], in, out, terms));
+	ck_assert(eval_f32(&m->dag[ALGORITHM_rnea], in, out, terms));
 	for (size_t i = 0; i < nv; i++)
 		s->eval[k * nv + i] = (double)out[3][i];
 	free(x);
@@ -41,7 +41,7 @@ static void evaluate_f32(struct model *m, struct states *s, size_t k, const stru
 /* eval gives terms in the order of the DAG's outputs; here they stand by row. */
 static void evaluate(struct model *m, struct states *s, size_t k)
 {
-	const struct dag *d = &m->dag[PASS_RNEA];
+	const struct dag *d = &m->dag[ALGORITHM_rnea];
 	double *terms = numbers(2, s->nv);
 	struct eval_terms t = {terms, terms + s->nv};
 

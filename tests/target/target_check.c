@@ -117,7 +117,7 @@ static void judge_bits(const struct check *c, int k, const double *tau, double *
 	const double *in[] = {s->q + at(k, s->nq), s->qd + at(k, s->nv), s->qdd + at(k, s->nv), NULL};
 	double *out[] = {NULL, NULL, NULL, again};
 
-	rerun(&c->model->dag[PASS_RNEA], c->target, c->fused, in, out);
+	rerun(&c->model->dag[ALGORITHM_rnea], c->target, c->fused, in, out);
 	for (int i = 0; i < s->nv; i++)
 		ck_assert_msg(same_number(tau[i], again[i]), "%s: state %d: torque %d is %a, its DAG gives %a",
 			c->target->what, k, i, tau[i], again[i]);

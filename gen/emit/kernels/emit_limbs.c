@@ -97,7 +97,7 @@ static struct crew start_crew(const struct emission *e)
 	return (struct crew){&e->relay->start.function, 1, 1, "RNEA_START_LIMBS"};
 }
 
-static const struct function *crew_pass(const struct emission *e, const struct crew *c, int k)
+static const struct function *crew_function(const struct emission *e, const struct crew *c, int k)
 {
 	return c->is_start || emit_is_apart(e) ? c->named : emit_part(e, k);
 }
@@ -105,7 +105,7 @@ static const struct function *crew_pass(const struct emission *e, const struct c
 static int crew_knows(const struct emission *e, const struct crew *c)
 {
 	for (int k = 0; k < c->count; k++) {
-		const struct function *p = crew_pass(e, c, k);
+		const struct function *p = crew_function(e, c, k);
 
 		if (plan_sincos(&p->plan) && !p->limbs.first.count)
 			return 1;
@@ -142,7 +142,7 @@ static const char *warps_text(const struct emission *e, const struct crew *c)
 
 	text_init(&t, e->arena);
 	for (int k = 0; k < c->count; k++) {
-		const struct function *p = crew_pass(e, c, k);
+		const struct function *p = crew_function(e, c, k);
 		struct writer w;
 
 		unparse_begin(&w, e, p, e->numbers);
@@ -161,7 +161,7 @@ static const char *cases_text(const struct emission *e, const struct crew *c)
 
 	text_init(&t, e->arena);
 	for (int k = 0; k < c->count; k++) {
-		const struct function *p = crew_pass(e, c, k);
+		const struct function *p = crew_function(e, c, k);
 
 		for (int i = 0; i < p->limbs.warps; i++)
 			text_printf(&t, "\tcase %d:\n\t\t%s_%s_limb%d(%s, across%s);\n\t\tbreak;\n", k * p->limbs.warps + i,
@@ -204,13 +204,13 @@ static const char *join_text(const struct emission *e, const struct limbs *s, co
 /* What runs before the warps part: the sines of each part that has them made first. */
 static const char *first_text(const struct emission *e, const struct crew *c)
 {
-	const struct limbs *s = &crew_pass(e, c, 0)->limbs;
+	const struct limbs *s = &crew_function(e, c, 0)->limbs;
 	struct text calls;
 	int tables = 0;
 
 	text_init(&calls, e->arena);
 	for (int k = 0; k < c->count; k++) {
-		const struct function *p = crew_pass(e, c, k);
+		const struct function *p = crew_function(e, c, k);
 
 		if (!p->limbs.first.count)
 			continue;
@@ -227,7 +227,7 @@ static const char *first_text(const struct emission *e, const struct crew *c)
 
 static void put_crew(const struct emission *e, const struct crew *c, struct text *out)
 {
-	const struct limbs *s = &crew_pass(e, c, 0)->limbs;
+	const struct limbs *s = &crew_function(e, c, 0)->limbs;
 	int has_parts = !c->is_start && e->part_count && !emit_is_apart(e);
 	const char *lines = warps_text(e, c);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", c->named->algorithm->name}, {"T", e->numbers->value},
@@ -261,7 +261,7 @@ void emit_limbs(const struct emission *e, struct text *out)
 
 static const char *launch_text(const struct emission *e, const struct crew *c, const char *parts)
 {
-	const char *room = needs_room(e, &crew_pass(e, c, 0)->limbs)
+	const char *room = needs_room(e, &crew_function(e, c, 0)->limbs)
 		? text_format(e->arena, " && %s_%s_limbs_have_room()", e->options->name, c->named->algorithm->name) : "";
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", c->named->algorithm->name}, {"MACRO", c->macro},
 		{"PARTS", parts}, {"ROOM", room}};

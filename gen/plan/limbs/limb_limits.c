@@ -155,7 +155,7 @@ static unsigned make_all(
 }
 
 /* Operations of the longest function. */
-static unsigned longest_pass(struct function *const *functions, int count)
+static unsigned longest_function(struct function *const *functions, int count)
 {
 	unsigned longest = 0;
 
@@ -188,7 +188,7 @@ static int have_room(const struct limbs *s, int groups, int words, unsigned byte
 /* Samples of a block at most, in warps: as many as have room in registers and in shared memory. */
 static int most_groups(struct function *const *functions, int count, int words, unsigned bytes)
 {
-	int groups = longest_pass(functions, count) < SHORT_OPERATIONS ? 1 : GROUPS;
+	int groups = longest_function(functions, count) < SHORT_OPERATIONS ? 1 : GROUPS;
 
 	for (int i = 0; i < count; i++)
 		if (!have_room(&functions[i]->limbs, groups, words, bytes))
@@ -308,7 +308,7 @@ static void try_warps(struct function *p, int warps, unsigned percent, const str
 /* As many warps as are best, or none. */
 static void choose_warps(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a)
 {
-	unsigned longest = make_all(functions, count, WARPS, o, a), whole = longest_pass(functions, count);
+	unsigned longest = make_all(functions, count, WARPS, o, a), whole = longest_function(functions, count);
 
 	if (longest && count == 1 && limbs_excess(&functions[0]->limbs, code_limits(o))) {
 		try_warps(functions[0], MORE_WARPS, 100, o, a);

@@ -198,7 +198,7 @@ static void same_as_dag(const struct target *t, const struct model *m, const str
 		const double *in[] = {x, x + r->nq, x + r->nq + r->nv, NULL};
 		double *out[] = {NULL, NULL, NULL, tau + k * r->nv};
 
-		rerun(&m->dag[PASS_RNEA], t, 1, in, out);
+		rerun(&m->dag[ALGORITHM_rnea], t, 1, in, out);
 	}
 	same(t, "the DAG", r->one, tau, r->nv);
 	free(tau);
@@ -217,7 +217,7 @@ static int is_hidden_sum(const struct dag *d, const struct node *n)
    where gcc makes one instruction of a fused multiply-add and the negation that alone uses it. */
 static void check_dags(const struct model *m, const char *what)
 {
-	for (int pass = 0; pass < PASS_COUNT; pass++) {
+	for (int pass = 0; pass < MODEL_DAGS; pass++) {
 		const struct dag *d = &m->dag[pass];
 		uint32_t *uses = calloc(d->count, sizeof *uses);
 

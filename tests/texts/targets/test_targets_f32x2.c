@@ -59,7 +59,7 @@ static void check_bound(const struct check *c, const struct rneagen_options *o)
 			     tau = array_of(NULL, s->nv);
 
 		target_rnea(c->target, &q, &qd, &qdd, &tau);
-		ck_assert(eval_bound(&c->model->dag[PASS_RNEA], &model, in, out));
+		ck_assert(eval_bound(&c->model->dag[ALGORITHM_rnea], &model, in, out));
 		for (int i = 0; i < s->nv; i++) {
 			double off = (double)fabsl((long double)array_get(&tau, (size_t)i) - s->tau[k * s->nv + i]) -
 				     s->noise[k * s->nv + i];

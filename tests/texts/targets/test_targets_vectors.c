@@ -69,7 +69,7 @@ static void check_loops(enum rneagen_target target, const struct rneagen_options
 
 static void check_vectors(enum rneagen_target target, const struct rneagen_options *o, const char *compiler)
 {
-	check_loops(target, o, compiler, PASS_COUNT, strcmp(compiler, "clang") ? -1 : PASS_FPASS);
+	check_loops(target, o, compiler, MODEL_DAGS, strcmp(compiler, "clang") ? -1 : ALGORITHM_fpass);
 }
 
 /* Rows of neighbouring samples lie together: every loop, of slices and batches alike. Only clang 14 leaves fpass's
