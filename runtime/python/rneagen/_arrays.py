@@ -180,7 +180,7 @@ def tuple_out(robot, out: Any, kind: str) -> tuple:
     return outputs
 
 
-def refuse(robot, is_sparse: bool) -> None:
+def refuse(is_sparse: bool) -> None:
     """What other arrays than NumPy's have not."""
     if is_sparse:
         raise TypeError("sparse matrices are for arrays of NumPy; take sparse=False")

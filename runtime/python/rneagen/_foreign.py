@@ -194,7 +194,7 @@ def call(robot, arrays: Sequence[Any], out: Any):
         return on_host(robot, arrays, out)
     if robot._conversion:
         return robot._conversion.call(arrays, out)
-    _arrays.refuse(robot, robot.sparse)
+    _arrays.refuse(robot.sparse)
     kernel, addresses, count, stream, outputs, _ = prepare(robot, arrays, out)
     kernel.launch(addresses, count, stream)
     return robot._join(outputs)
@@ -204,6 +204,6 @@ def bind(robot, arrays: Sequence[Any], out: Any):
     if not on_gpu(next(x for x in arrays if x is not None)):
         raise TypeError("bind: take arrays of NumPy: numpy.from_dlpack makes them without a copy")
     _arrays.refuse_conversion(robot)
-    _arrays.refuse(robot, robot.sparse)
+    _arrays.refuse(robot.sparse)
     kernel, addresses, count, stream, outputs, views = prepare(robot, arrays, out)
     return kernel.bind(addresses, count, stream, robot._join(outputs), (views, tuple(arrays)))

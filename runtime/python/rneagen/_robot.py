@@ -114,7 +114,7 @@ def operator_of(robot: "Robot", library: str, operators: dict[str, Any], lock: A
     `library`. Robots that compute the same share it; `operators`, by name, lives as long as the program."""
     found = robot.__dict__.get(library)
     if found is None:
-        _arrays.refuse(robot, robot._is_sparse)
+        _arrays.refuse(robot._is_sparse)
         name = operator_name(robot)
         with lock:
             found = operators.get(name) or operators.setdefault(name, make(name))

@@ -280,9 +280,10 @@ static void draw_inertia(struct task_case *c, double *p)
 		p[i] = (double)draw(c, i == 0 || i == 4 || i == 7 || i == 9 ? 0 : -0.5, 2);
 }
 
-void case_free_inertia(struct task_case *c, int entry, int nominal)
+/* Ten parameters in the place of the link's, or beside them. */
+static void free_parameters(struct task_case *c, int entry, int nominal, const char *word, int is_beside)
 {
-	struct task_in *x = add_in(c, 10, "free", "inertia", c->r->joints[entry].link);
+	struct task_in *x = add_in(c, 10, "free", word, c->r->joints[entry].link);
 	wide p[10];
 
 	if (!x)
@@ -290,26 +291,21 @@ void case_free_inertia(struct task_case *c, int entry, int nominal)
 	reference_inertia(c->r, entry, p);
 	draw_inertia(c, x->value);
 	for (int i = 0; i < 10; i++) {
-		x->value[i] = nominal ? (double)(float)p[i] : x->value[i];
-		p[i] = (wide)x->value[i];
+		if (nominal)
+			x->value[i] = is_beside ? 0 : (double)(float)p[i];
+		p[i] = (is_beside ? p[i] : 0) + (wide)x->value[i];
 	}
 	reference_set_inertia(c->r, entry, p);
 }
 
+void case_free_inertia(struct task_case *c, int entry, int nominal)
+{
+	free_parameters(c, entry, nominal, "inertia", 0);
+}
+
 void case_add_payload(struct task_case *c, int entry, int nominal)
 {
-	struct task_in *x = add_in(c, 10, "free", "payload", c->r->joints[entry].link);
-	wide p[10];
-
-	if (!x)
-		return;
-	reference_inertia(c->r, entry, p);
-	draw_inertia(c, x->value);
-	for (int i = 0; i < 10; i++) {
-		x->value[i] = nominal ? 0 : x->value[i];
-		p[i] += (wide)x->value[i];
-	}
-	reference_set_inertia(c->r, entry, p);
+	free_parameters(c, entry, nominal, "payload", 1);
 }
 
 void case_free_offset(struct task_case *c, int entry, int nominal)
