@@ -149,7 +149,8 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 /* Of others, what is before the name of a joint, or before the number and the name of a link. */
 static const char *const ABOUT[SECTION_COUNT] = {[SECTION_BY] = "derivatives by", [SECTION_ROWS] = "rows of",
 	[SECTION_REGRESSOR] = "torques by the inertial parameters of link"};
-static const char *const ABOUT_LINKS[SECTION_COUNT] = {[SECTION_PLACE] = "place of", [SECTION_WAY] = "coordinates go back from",
+static const char *const ABOUT_LINKS[SECTION_COUNT] = {[SECTION_OUT] = "out to", [SECTION_BACK] = "back from",
+	[SECTION_PLACE] = "place of", [SECTION_WAY] = "coordinates go back from",
 	[SECTION_JACOBIAN] = "Jacobian of what is on", [SECTION_SUBTREE] = "back from", [SECTION_OPSPACE] = "inertia felt on"};
 
 /* Columns behind coordinates that go back in loops are solved without factors. */
@@ -159,44 +160,45 @@ static const char *title_of(const struct function *function, const struct sectio
 		? "a column of the derivatives of qdd, from -d ID, by articulated bodies" : SECTION_TITLES[s->kind];
 }
 
+static void put_quoted(const char *name, struct text *out)
+{
+	text_putc(out, '"');
+	text_put_comment(out, name);
+	text_putc(out, '"');
+}
+
+/* Where the way back goes, and the torque that is complete then. */
+static void put_back(const struct emission *e, const struct body *k, struct text *out)
+{
+	if (k->parent < 0)
+		text_put(out, " to the world (bpass)");
+	else
+		text_printf(out, " to link %d (bpass)", e->tree->bodies[k->parent].number);
+	if (!*k->joint)
+		return;
+	text_put(out, k->type == JOINT_FIXED ? ": held at " : k->follower ? ": share of the driver of " : ": torque of ");
+	put_quoted(k->joint, out);
+}
+
 /* "out to link 2 "lower" (fpass)"; "back from link 2 "lower" to link 1 (bpass): torque of "elbow"" */
 static void put_title(const struct emission *e, const struct function *function, const struct section *s, struct text *out)
 {
 	const struct body *k = &e->tree->bodies[s->body];
 
+	text_put(out, "\n\t/* ---- ");
 	if (SECTION_TITLES[s->kind]) {
-		text_printf(out, "\n\t/* ---- %s ---- */\n", title_of(function, s));
-		return;
-	}
-	if (ABOUT[s->kind]) {
-		text_printf(out, "\n\t/* ---- %s \"", ABOUT[s->kind]);
-		text_put_comment(out, s->kind == SECTION_REGRESSOR ? k->link : *k->joint ? k->joint : "base");
-		text_put(out, "\" ---- */\n");
-		return;
-	}
-	if (ABOUT_LINKS[s->kind]) {
-		text_printf(out, "\n\t/* ---- %s link %d \"", ABOUT_LINKS[s->kind], k->number);
-		text_put_comment(out, k->link);
-		text_put(out, "\" ---- */\n");
-		return;
-	}
-	text_printf(out, "\n\t/* ---- %s link %d \"", s->kind == SECTION_OUT ? "out to" : "back from", k->number);
-	text_put_comment(out, k->link);
-	text_putc(out, '"');
-	if (s->kind == SECTION_OUT) {
-		text_put(out, dag_find_role(&function->dag, ROLE_BODY_WRENCHES, 0) >= 0 ? "" : " (fpass)");
+		text_put(out, title_of(function, s));
+	} else if (ABOUT[s->kind]) {
+		text_printf(out, "%s ", ABOUT[s->kind]);
+		put_quoted(s->kind == SECTION_REGRESSOR ? k->link : *k->joint ? k->joint : "base", out);
 	} else {
-		if (k->parent < 0)
-			text_put(out, " to the world (bpass)");
-		else
-			text_printf(out, " to link %d (bpass)", e->tree->bodies[k->parent].number);
-		if (*k->joint) {
-			text_put(out, k->type == JOINT_FIXED ? ": held at \"" : k->follower ? ": share of the driver of \""
-				: ": torque of \"");
-			text_put_comment(out, k->joint);
-			text_putc(out, '"');
-		}
+		text_printf(out, "%s link %d ", ABOUT_LINKS[s->kind], k->number);
+		put_quoted(k->link, out);
 	}
+	if (s->kind == SECTION_OUT)
+		text_put(out, dag_find_role(&function->dag, ROLE_BODY_WRENCHES, 0) >= 0 ? "" : " (fpass)");
+	else if (s->kind == SECTION_BACK)
+		put_back(e, k, out);
 	text_put(out, " ---- */\n");
 }
 
