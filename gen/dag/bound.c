@@ -22,8 +22,9 @@ real bound_factor(const struct eval_model *m, uint32_t way)
 static struct ref rounding(const struct bound *x, double unit, uint32_t node, real more)
 {
 	struct dag *d = x->d;
+	struct ref last = dag_const(d, more), size = dag_abs(d, (struct ref){node});
 
-	return dag_add(d, dag_mul(d, dag_const(d, (real)unit), dag_abs(d, (struct ref){node})), dag_const(d, more));
+	return dag_add(d, dag_mul(d, dag_const(d, (real)unit), size), last);
 }
 
 /* What the text's constant is off, as a constant that is no smaller when it is rounded. */
@@ -63,7 +64,9 @@ static struct ref of_product(const struct bound *x, uint32_t i, struct ref of_a,
 /* 0 where x is below 0. */
 static struct ref positive_part(struct dag *d, struct ref x)
 {
-	return dag_mul(d, dag_const(d, 0.5L), dag_add(d, x, dag_abs(d, x)));
+	struct ref twice = dag_add(d, x, dag_abs(d, x));
+
+	return dag_mul(d, dag_const(d, 0.5L), twice);
 }
 
 /* No divisor is below |b| - 5/4 e_b, even if e_b has lost a fifth; what is divided by 0 is infinite. */

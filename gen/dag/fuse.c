@@ -58,8 +58,10 @@ static struct ref negated(struct fuser *f, struct ref x)
 	int product = f->every && f->uses[x.i] == 1 ? product_operand(f, n) : -1;
 	struct ref a, rest;
 
-	if (f->every && f->uses[x.i] == 1 && n->op == OP_FMA)
-		return dag_fma(f->out, negated(f, n->arg[0]), f->map[n->arg[1].i], negated(f, n->arg[2]));
+	if (f->every && f->uses[x.i] == 1 && n->op == OP_FMA) {
+		rest = negated(f, n->arg[2]);
+		return dag_fma(f->out, negated(f, n->arg[0]), f->map[n->arg[1].i], rest);
+	}
 	if (product < 0)
 		return dag_neg(f->out, f->map[x.i]);
 	p = &f->in->nodes[n->arg[product].i];

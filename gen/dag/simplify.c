@@ -92,22 +92,22 @@ struct ref dag_const_lanes(struct dag *d, struct dag_lanes x)
 
 struct ref dag_pack(struct dag *d, const struct ref x[DAG_LANES])
 {
-	if (d->failed)
-		return NONE;
+	struct ref upper;
+
 	if (ref_equal(x[0], x[1]) && (d->width == 2 || (ref_equal(x[0], x[2]) && ref_equal(x[0], x[3]))))
 		return x[0];
 	if (d->width == 2)
 		return dag_node(d, OP_PACK, x[0], x[1], NONE, 0);
-	return dag_node(d, OP_PACK, dag_node(d, OP_PAIR, x[0], x[1], NONE, 0), dag_node(d, OP_PAIR, x[2], x[3], NONE, 0), NONE, 0);
+	upper = dag_node(d, OP_PAIR, x[2], x[3], NONE, 0);
+	return dag_node(d, OP_PACK, dag_node(d, OP_PAIR, x[0], x[1], NONE, 0), upper, NONE, 0);
 }
 
 struct ref dag_lane(struct dag *d, struct ref lanes, int lane)
 {
-	struct node n;
+	const struct node n = at(d, lanes);
 
 	if (d->failed)
 		return NONE;
-	n = at(d, lanes);
 	if (!n.is_wide)
 		return lanes;
 	if (n.op == OP_NEG)

@@ -1,5 +1,19 @@
 #include "dag/svec.h"
 
+struct ref dag_add_products(struct dag *d, struct ref a, struct ref b, struct ref c, struct ref e)
+{
+	struct ref last = dag_mul(d, c, e);
+
+	return dag_add(d, dag_mul(d, a, b), last);
+}
+
+struct ref dag_sub_products(struct dag *d, struct ref a, struct ref b, struct ref c, struct ref e)
+{
+	struct ref last = dag_mul(d, c, e);
+
+	return dag_sub(d, dag_mul(d, a, b), last);
+}
+
 struct svec svec_const(struct dag *d, const struct within v[3])
 {
 	return (struct svec){{dag_within(d, v[0]), dag_within(d, v[1]), dag_within(d, v[2])}};
@@ -7,8 +21,11 @@ struct svec svec_const(struct dag *d, const struct within v[3])
 
 struct svec svec_input(struct dag *d, int argument, int row)
 {
-	return (struct svec){
-		{dag_input(d, argument, row), dag_input(d, argument, row + 1), dag_input(d, argument, row + 2)}};
+	struct svec v;
+
+	for (int i = 0; i < 3; i++)
+		v.x[i] = dag_input(d, argument, row + i);
+	return v;
 }
 
 struct svec svec_add(struct dag *d, struct svec a, struct svec b)
@@ -40,7 +57,7 @@ struct svec svec_cross(struct dag *d, struct svec a, struct svec b)
 	for (int i = 0; i < 3; i++) {
 		int j = (i + 1) % 3, k = (i + 2) % 3;
 
-		c.x[i] = dag_sub(d, dag_mul(d, a.x[j], b.x[k]), dag_mul(d, a.x[k], b.x[j]));
+		c.x[i] = dag_sub_products(d, a.x[j], b.x[k], a.x[k], b.x[j]);
 	}
 	return c;
 }
@@ -49,8 +66,9 @@ struct svec svec_add_cross(struct dag *d, struct svec c, struct svec a, struct s
 {
 	for (int i = 0; i < 3; i++) {
 		int j = (i + 1) % 3, k = (i + 2) % 3;
+		struct ref less = dag_mul(d, a.x[k], b.x[j]);
 
-		c.x[i] = dag_sub(d, dag_add(d, c.x[i], dag_mul(d, a.x[j], b.x[k])), dag_mul(d, a.x[k], b.x[j]));
+		c.x[i] = dag_sub(d, dag_add(d, c.x[i], dag_mul(d, a.x[j], b.x[k])), less);
 	}
 	return c;
 }
@@ -142,8 +160,8 @@ struct svec svec_turn(struct dag *d, int axis, struct ref s, struct ref c, struc
 	int j = (axis + 1) % 3, k = (axis + 2) % 3;
 	struct svec w = v;
 
-	w.x[j] = dag_sub(d, dag_mul(d, c, v.x[j]), dag_mul(d, s, v.x[k]));
-	w.x[k] = dag_add(d, dag_mul(d, s, v.x[j]), dag_mul(d, c, v.x[k]));
+	w.x[j] = dag_sub_products(d, c, v.x[j], s, v.x[k]);
+	w.x[k] = dag_add_products(d, s, v.x[j], c, v.x[k]);
 	return w;
 }
 

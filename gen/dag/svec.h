@@ -14,6 +14,11 @@ struct smat {
 	struct ref m[3][3];
 };
 
+/* a b + c e and a b - c e. Here as elsewhere what two arguments of a call are made of is made in statements of its own, the last
+   argument first: C leaves their order open, and nodes, and so texts, go by it. */
+struct ref dag_add_products(struct dag *d, struct ref a, struct ref b, struct ref c, struct ref e);
+struct ref dag_sub_products(struct dag *d, struct ref a, struct ref b, struct ref c, struct ref e);
+
 struct svec svec_const(struct dag *d, const struct within v[3]);
 /* Rows row, row + 1, row + 2 of an argument. */
 struct svec svec_input(struct dag *d, int argument, int row);

@@ -106,20 +106,24 @@ static void apply_error(const struct forward_bound *x, const struct ref *y, stru
 	struct dag *d = x->d;
 	int n = x->n;
 	struct ref *P = arena_alloc(d->arena, (size_t)(n * n), sizeof *P), *G = arena_alloc(d->arena, (size_t)(n * n), sizeof *G);
-	struct ref *z = arena_alloc(d->arena, (size_t)n, sizeof *z), all = {0};
+	struct ref *z = arena_alloc(d->arena, (size_t)n, sizeof *z), all = {0}, unit;
 
 	if (!P || !G || !z) {
 		d->failed = 1;
 		return;
 	}
 	identity_less_product(x, P);
-	for (int i = 0; i < n * n; i++)
-		G[i] = dag_add(d, error(x, x->M[i]), dag_mul(d, rounding(x), dag_abs(d, x->M[i])));
+	for (int i = 0; i < n * n; i++) {
+		struct ref size = dag_abs(d, x->M[i]);
+
+		G[i] = dag_add(d, error(x, x->M[i]), dag_mul(d, rounding(x), size));
+	}
 	apply(d, n, G, y, z);
 	for (int i = 0; i < n; i++)
 		all = dag_add(d, all, y[i]);
+	unit = rounding(x);
 	for (int i = 0; i < n; i++)
-		to[i] = plus_product(d, dag_mul(d, dag_const(d, n * bound_tiny(x->m)), all), rounding(x), y[i]);
+		to[i] = plus_product(d, dag_mul(d, dag_const(d, n * bound_tiny(x->m)), all), unit, y[i]);
 	apply(d, n, P, y, to);
 	apply(d, n, x->X, z, to);
 }
@@ -127,7 +131,7 @@ static void apply_error(const struct forward_bound *x, const struct ref *y, stru
 /* The larger: (a + b + |a - b|)/2, not a number where one is none. */
 static struct ref larger(struct dag *d, struct ref a, struct ref b)
 {
-	struct ref sum = dag_add(d, dag_add(d, a, b), dag_abs(d, dag_sub(d, a, b)));
+	struct ref apart = dag_abs(d, dag_sub(d, a, b)), sum = dag_add(d, dag_add(d, a, b), apart);
 
 	return dag_mul(d, dag_const(d, 0.5L), sum);
 }
@@ -140,8 +144,10 @@ static struct ref scale(const struct forward_bound *x, const struct ref *y, cons
 
 	for (int i = 0; i < x->n; i++)
 		k = i ? larger(d, k, dag_div(d, Ey[i], y[i])) : dag_div(d, Ey[i], y[i]);
-	rest = dag_sub(d, dag_const(d, 1), dag_mul(d, dag_const(d, factor), k));
-	return dag_div(d, dag_const(d, factor), larger(d, rest, dag_const(d, 0)));
+	rest = dag_mul(d, dag_const(d, factor), k);
+	rest = dag_sub(d, dag_const(d, 1), rest);
+	rest = larger(d, rest, dag_const(d, 0));
+	return dag_div(d, dag_const(d, factor), rest);
 }
 
 /* What is constant has no residual. */
@@ -161,10 +167,14 @@ static struct ref stored(const struct forward_bound *x, struct ref qdd, struct r
 
 	if (x->m->store == 0)
 		return bound;
-	more = dag_add(d, dag_mul(d, dag_const(d, (real)x->m->store), size), dag_const(d, 4 * (real)x->m->store_tiny));
-	huge = dag_add(d, dag_mul(d, dag_const(d, 0x1p1023L / (real)x->m->store_largest), size), dag_const(d, 1));
-	huge = dag_mul(d, dag_const(d, 0x1p-1000L), dag_add(d, huge, huge));
-	return dag_mul(d, dag_const(d, 1 + 4 * (real)x->m->store), dag_add(d, dag_add(d, bound, huge), more));
+	more = dag_const(d, 4 * (real)x->m->store_tiny);
+	more = dag_add(d, dag_mul(d, dag_const(d, (real)x->m->store), size), more);
+	huge = dag_const(d, 1);
+	huge = dag_add(d, dag_mul(d, dag_const(d, 0x1p1023L / (real)x->m->store_largest), size), huge);
+	huge = dag_add(d, huge, huge);
+	huge = dag_mul(d, dag_const(d, 0x1p-1000L), huge);
+	more = dag_add(d, dag_add(d, bound, huge), more);
+	return dag_mul(d, dag_const(d, 1 + 4 * (real)x->m->store), more);
 }
 
 /* y = |X| (|r| + d) and what follows. */

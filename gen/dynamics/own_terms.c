@@ -5,9 +5,9 @@
 /* c v / sqrt(v^2 + width^2): friction c against sliding at v, smooth where it turns. */
 static struct ref smooth_friction(struct dag *d, struct ref c, struct ref v, struct within width)
 {
-	struct ref square = dag_add(d, dag_mul(d, v, v), dag_within(d, within_mul(width, width)));
+	struct ref square = dag_within(d, within_mul(width, width)), root = dag_sqrt(d, dag_add(d, dag_mul(d, v, v), square));
 
-	return dag_div(d, dag_mul(d, c, v), dag_sqrt(d, square));
+	return dag_div(d, dag_mul(d, c, v), root);
 }
 
 struct ref own_term(const struct tour *r, enum own_term term, int body, struct within factor)
@@ -17,6 +17,14 @@ struct ref own_term(const struct tour *r, enum own_term term, int body, struct w
 	if (input.i)
 		return dag_mul(r->d, dag_within(r->d, factor), input);
 	return dag_within(r->d, within_mul(factor, r->request->own[term][body]));
+}
+
+/* The term times the joint's rate or acceleration. */
+static struct ref own_product(const struct tour *r, enum own_term term, int body, struct within factor, const struct source *s)
+{
+	struct ref row = source_row(r->d, s, r->t->bodies[body].iv);
+
+	return dag_mul(r->d, own_term(r, term, body, factor), row);
 }
 
 /* Rotor inertia and friction of the joint's own axis, whose coordinate is multiplier q: J qdd + d qd + c sign(qd), and the
@@ -30,8 +38,8 @@ void own_terms(const struct tour *r, int body, struct ref *tau)
 
 	if (joint_nv(k->type) != 1)
 		return;
-	tau[0] = dag_add(d, tau[0], dag_mul(d, own_term(r, OWN_ARMATURE, body, square), source_row(d, &r->in.qdd, k->iv)));
-	tau[0] = dag_add(d, tau[0], dag_mul(d, own_term(r, OWN_DAMPING, body, square), source_row(d, &r->in.qd, k->iv)));
+	tau[0] = dag_add(d, tau[0], own_product(r, OWN_ARMATURE, body, square, &r->in.qdd));
+	tau[0] = dag_add(d, tau[0], own_product(r, OWN_DAMPING, body, square, &r->in.qd));
 	if (size.x < 0)
 		size = within_neg(size);
 	friction = own_term(r, OWN_FRICTION, body, size);

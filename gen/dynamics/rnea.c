@@ -53,9 +53,11 @@ static void move(const struct tour *r, int index, const struct frame *parent, st
 	/* into the body's */
 	w = joint_into(d, k, at, w);
 	to->w = svec_add(d, w, m.W);
-	to->dw = svec_add(d, joint_into(d, k, at, dw), svec_add(d, m.dW, svec_cross(d, w, m.W)));
+	to->dw = svec_add(d, m.dW, svec_cross(d, w, m.W));
+	to->dw = svec_add(d, joint_into(d, k, at, dw), to->dw);
 	to->v = svec_add(d, joint_into(d, k, at, v), m.V);
-	to->a = svec_add(d, joint_into(d, k, at, a), motion_slide(d, w, m.V, m.dV));
+	to->a = motion_slide(d, w, m.V, m.dV);
+	to->a = svec_add(d, joint_into(d, k, at, a), to->a);
 	ease(r, index, &to->dw);
 	to->U = motion_rate_matrix(d, to->w, to->dw);
 	svec_tag(d, to->w, "w", k->number);
@@ -75,7 +77,8 @@ struct svec tour_acceleration(const struct tour *r, int body, struct svec from)
 	struct svec a = smat_mul_transposed(d, &at->R, svec_add(d, from, smat_mul(d, &parent->U, at->p)));
 
 	a = svec_add(d, a, motion_slide(d, w, m.V0, m.dV0));
-	return svec_add(d, joint_into(d, k, at, a), motion_slide(d, joint_into(d, k, at, w), m.V, m.dV));
+	w = motion_slide(d, joint_into(d, k, at, w), m.V, m.dV);
+	return svec_add(d, joint_into(d, k, at, a), w);
 }
 
 struct svec tour_origin_rate(const struct tour *r, int body)
@@ -86,7 +89,8 @@ struct svec tour_origin_rate(const struct tour *r, int body)
 	struct joint_rates m = joint_move(d, k, r->in);
 	struct svec slide = svec_add(d, m.V0, joint_out_of(d, k, at, m.V));
 
-	return svec_add(d, svec_cross(d, r->frames[k->parent + 1].motion.w, at->p), smat_mul(d, &at->R, slide));
+	slide = smat_mul(d, &at->R, slide);
+	return svec_add(d, svec_cross(d, r->frames[k->parent + 1].motion.w, at->p), slide);
 }
 
 /* The body's own wrench. */

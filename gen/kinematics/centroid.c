@@ -188,7 +188,8 @@ void kinematics_momentum_rate(const struct kinematics *x, struct svec f, struct 
 	int argument = centroid_output(x, WANT_DMOMENTUM);
 
 	dag_section(d, SECTION_CENTROID, 0);
-	output(x, argument, 0, svec_add(d, to_world(x, f), svec_scale(d, x->mass, g)));
+	g = svec_scale(d, x->mass, g);
+	output(x, argument, 0, svec_add(d, to_world(x, f), g));
 	output(x, argument, 3, to_world(x, svec_sub(d, n, svec_cross(d, x->com, f))));
 }
 

@@ -91,8 +91,10 @@ static struct momentum_column column_of(const struct centroid *c, int body, int 
 	struct momentum_column to;
 
 	joint_unit_twist(d, &x->t->bodies[body], &at->pose, row, &Y, &Z);
-	l = svec_add(d, svec_cross(d, Z, C), svec_scale(d, of->mass, Y));
-	k = svec_add(d, rigid_body_inertia_times(d, &of->whole.p, Z), svec_cross(d, C, Y));
+	l = svec_scale(d, of->mass, Y);
+	l = svec_add(d, svec_cross(d, Z, C), l);
+	k = svec_cross(d, C, Y);
+	k = svec_add(d, rigid_body_inertia_times(d, &of->whole.p, Z), k);
 	to.linear = smat_mul(d, &at->R, l);
 	if (body == x->hub) {
 		to.angular = angular_of_hub(c, Z, k, l);
@@ -101,7 +103,8 @@ static struct momentum_column column_of(const struct centroid *c, int body, int 
 	if (x->hub < 0)
 		p = svec_add(d, at->from, p);
 	p = svec_sub(d, p, centroid_from_first(x));
-	to.angular = svec_add(d, smat_mul(d, &at->R, k), svec_cross(d, p, to.linear));
+	to.angular = svec_cross(d, p, to.linear);
+	to.angular = svec_add(d, smat_mul(d, &at->R, k), to.angular);
 	return to;
 }
 

@@ -17,8 +17,9 @@ static void add_columns(const struct kinematics *x, const struct body *k, const 
 	for (int row = 0; row < joint_nv(k->type); row++) {
 		struct joint_rates unit = joint_unit(d, k, row);
 		struct svec w = smat_mul(d, &s->R, unit.W);
-		struct svec v = svec_add(d, smat_mul(d, &s->A, unit.V0), smat_mul(d, &s->R, unit.V));
+		struct svec v = smat_mul(d, &s->R, unit.V);
 
+		v = svec_add(d, smat_mul(d, &s->A, unit.V0), v);
 		v = svec_add(d, v, svec_cross(d, w, s->r));
 		for (int i = 0; i < 3; i++) {
 			struct ref *linear = &J[i * nv + k->iv + row], *angular = &J[(3 + i) * nv + k->iv + row];
@@ -127,7 +128,8 @@ static struct svec rate_at(const struct kinematics *x, const struct carried_moti
 
 	if (x->k->frame == FRAME_WORLD_ALIGNED)
 		return svec_add(d, m->a, smat_mul(d, &U, r));
-	return svec_add(d, svec_sub(d, m->a, svec_cross(d, m->w, m->v)), svec_cross(d, m->dw, r));
+	r = svec_cross(d, m->dw, r);
+	return svec_add(d, svec_sub(d, m->a, svec_cross(d, m->w, m->v)), r);
 }
 
 static void output_rate(const struct kinematics *x, const struct want *w, const struct carried_motion *m, int argument)
@@ -137,7 +139,8 @@ static void output_rate(const struct kinematics *x, const struct want *w, const 
 	struct smat R = smat_const(d, &w->X.R);
 
 	if (x->k->frame == FRAME_LINK) {
-		output(x, argument, smat_mul_transposed(d, &R, a), smat_mul_transposed(d, &R, dw));
+		dw = smat_mul_transposed(d, &R, dw);
+		output(x, argument, smat_mul_transposed(d, &R, a), dw);
 		return;
 	}
 	a = smat_mul(d, &x->bodies[w->body].R, a);

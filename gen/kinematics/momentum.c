@@ -19,8 +19,8 @@ static void slide(const struct kinematics *x, int body, struct svec w, struct sv
 
 	w = smat_mul_transposed(d, &at->R, w);
 	*rate = smat_mul(d, &at->R, svec_add(d, m.V0, joint_out_of(d, k, at, m.V)));
-	*second = svec_add(d, motion_slide(d, w, m.V0, m.dV0),
-		joint_out_of(d, k, at, motion_slide(d, joint_into(d, k, at, w), m.V, m.dV)));
+	*second = joint_out_of(d, k, at, motion_slide(d, joint_into(d, k, at, w), m.V, m.dV));
+	*second = svec_add(d, motion_slide(d, w, m.V0, m.dV0), *second);
 	*second = smat_mul(d, &at->R, *second);
 }
 
@@ -51,10 +51,12 @@ void load_add_own(struct dag *d, struct load *x, int number, const struct parame
 {
 	struct svec Iw = rigid_body_inertia_times(d, p, x->motion.w), n;
 
-	if (numbers)
+	if (numbers) {
 		n = rigid_body_moment(d, numbers, &x->motion);
-	else
-		n = svec_add(d, rigid_body_inertia_times(d, p, x->motion.dw), svec_cross(d, x->motion.w, Iw));
+	} else {
+		n = svec_cross(d, x->motion.w, Iw);
+		n = svec_add(d, rigid_body_inertia_times(d, p, x->motion.dw), n);
+	}
 	x->P = svec_add(d, x->P, svec_cross(d, x->motion.w, x->H));
 	x->K = svec_add(d, x->K, Iw);
 	x->F = svec_add(d, x->F, smat_mul(d, &x->motion.U, x->H));
@@ -83,8 +85,10 @@ void load_add_child(const struct kinematics *x, int child, const struct load *c,
 	to->F = svec_add(d, to->F, svec_add(d, F, svec_scale(d, c->mass, second)));
 	rate = svec_add(d, svec_cross(d, to->motion.w, at->p), rate);
 	second = svec_add(d, smat_mul(d, &to->motion.U, at->p), second);
-	P = svec_add(d, svec_cross(d, at->p, P), svec_cross(d, D, rate));
-	F = svec_add(d, svec_cross(d, at->p, F), svec_cross(d, D, second));
+	rate = svec_cross(d, D, rate);
+	P = svec_add(d, svec_cross(d, at->p, P), rate);
+	second = svec_cross(d, D, second);
+	F = svec_add(d, svec_cross(d, at->p, F), second);
 	to->K = svec_add(d, to->K, svec_add(d, joint_to_parent(d, k, at, c->K), P));
 	to->N = svec_add(d, to->N, svec_add(d, joint_to_parent(d, k, at, c->N), F));
 }

@@ -9,12 +9,14 @@
 static void multiply(struct dag *d, const struct ref *a, const struct ref *b, struct ref *out)
 {
 	const struct svec u = {{a[0], a[1], a[2]}}, v = {{b[0], b[1], b[2]}};
-	struct svec w = svec_add(d, svec_scale(d, a[3], v), svec_scale(d, b[3], u));
+	struct svec w = svec_scale(d, b[3], u);
 
+	w = svec_add(d, svec_scale(d, a[3], v), w);
 	w = svec_add(d, w, svec_cross(d, u, v));
 	for (int i = 0; i < 3; i++)
 		out[i] = w.x[i];
-	out[3] = dag_sub(d, dag_mul(d, a[3], b[3]), svec_dot(d, u, v));
+	out[3] = svec_dot(d, u, v);
+	out[3] = dag_sub(d, dag_mul(d, a[3], b[3]), out[3]);
 }
 
 /* Of a constant rotation: the largest of the four first, 2 sqrt of 1 and the diagonal with its signs, the others from sums and

@@ -74,7 +74,7 @@ static void add_rate(struct dag *d, struct smat *to, const struct smat *K, struc
 	struct ref terms[3];
 
 	for (int i = 0; i < 3; i++)
-		terms[i] = dag_add(d, dag_mul(d, rate.x[i], h.x[i]), dag_mul(d, X.x[i], p.x[i]));
+		terms[i] = dag_add_products(d, rate.x[i], h.x[i], X.x[i], p.x[i]);
 	for (int i = 0; i < 3; i++)
 		for (int j = 0; j < 3; j++) {
 			struct ref e = K->m[i][j];
@@ -130,7 +130,8 @@ void composite_add_child(
 
 	if (rate) {
 		struct svec h = joint_to_parent(d, child, at, c->p.h);
-		struct svec X = svec_add(d, joint_to_parent(d, child, at, c->P), svec_scale(d, c->p.mass, *rate));
+		struct svec moved_mass = svec_scale(d, c->p.mass, *rate);
+		struct svec X = svec_add(d, joint_to_parent(d, child, at, c->P), moved_mass);
 		struct smat K = joint_turn(d, child, at, &c->K);
 
 		add_rate(d, &parent->K, &K, h, X, at->p, *rate);

@@ -75,8 +75,8 @@ static void turn_ahead(struct dag *d, const struct body *k, struct joint_pose *x
 
 	if (!body_is_ahead(k) && !k->ahead.s.limb && !k->ahead.c.limb) /* nor is a limb's twin */
 		return;
-	x->s = dag_add(d, dag_mul(d, cosine, s), dag_mul(d, sine, c));
-	x->c = dag_sub(d, dag_mul(d, cosine, c), dag_mul(d, sine, s));
+	x->s = dag_add_products(d, cosine, s, sine, c);
+	x->c = dag_sub_products(d, cosine, c, sine, s);
 	dag_tag(d, x->s, "sa", k->number, 0);
 	dag_tag(d, x->c, "ca", k->number, 0);
 }
@@ -95,7 +95,8 @@ static void sine_of(struct dag *d, const struct joint_inputs *in, struct ref ang
 	sine = dag_sin(d, half);
 	twice = dag_mul(d, dag_const(d, 2), sine);
 	*s = dag_mul(d, twice, dag_cos(d, half));
-	*c = dag_sub(d, dag_const(d, 1), dag_mul(d, twice, sine));
+	*c = dag_mul(d, twice, sine);
+	*c = dag_sub(d, dag_const(d, 1), *c);
 }
 
 struct joint_pose joint_place(struct dag *d, const struct body *k, struct joint_inputs in)
@@ -161,7 +162,7 @@ static void half_ahead(const struct body *k, struct within *s, struct within *c)
 
 void joint_half_turn(struct dag *d, const struct body *k, struct joint_inputs in, struct ref *s, struct ref *c)
 {
-	struct ref half = dag_const(d, 0.5L), sine = {0}, cosine = dag_const(d, 1);
+	struct ref half = dag_const(d, 0.5L), sine = {0}, cosine = dag_const(d, 1), ahead_s, ahead_c;
 	struct within sa, ca;
 
 	if (k->turn.x != 0) {
@@ -175,8 +176,10 @@ void joint_half_turn(struct dag *d, const struct body *k, struct joint_inputs in
 		cosine = dag_cos(d, dag_mul(d, half, angle_of(d, k, in)));
 	}
 	half_ahead(k, &sa, &ca);
-	*s = dag_add(d, dag_mul(d, dag_within(d, ca), sine), dag_mul(d, dag_within(d, sa), cosine));
-	*c = dag_sub(d, dag_mul(d, dag_within(d, ca), cosine), dag_mul(d, dag_within(d, sa), sine));
+	ahead_s = dag_within(d, sa);
+	ahead_c = dag_within(d, ca);
+	*s = dag_add_products(d, ahead_c, sine, ahead_s, cosine);
+	*c = dag_sub_products(d, ahead_c, cosine, ahead_s, sine);
 }
 
 struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_inputs in)
@@ -189,7 +192,8 @@ struct joint_rates joint_move(struct dag *d, const struct body *k, struct joint_
 		m.W = source_rows(d, &in.qd, k->iv + 3);
 		m.dW = source_rows(d, &in.qdd, k->iv + 3);
 		/* qdd is spatial: the classical acceleration of the origin is a + w x v */
-		m.dV = svec_add(d, source_rows(d, &in.qdd, k->iv), svec_cross(d, m.W, m.V));
+		m.dV = svec_cross(d, m.W, m.V);
+		m.dV = svec_add(d, source_rows(d, &in.qdd, k->iv), m.dV);
 		break;
 	case JOINT_PLANAR:
 		for (int i = 0; i < 2; i++) {
@@ -279,7 +283,7 @@ static struct smat turn_about(struct dag *d, int i, const struct joint_pose *at,
 	struct svec column = svec_turn(d, i, at->s, at->c, smat_column(T, i));
 	struct ref across = T->m[j][k].i == T->m[k][j].i ? dag_mul(d, dag_const(d, 2), T->m[j][k])
 		: dag_add(d, T->m[j][k], T->m[k][j]);
-	struct ref x = dag_add(d, dag_mul(d, at->s, spread), dag_mul(d, at->c, across));
+	struct ref x = dag_add_products(d, at->s, spread, at->c, across);
 	struct ref sx = dag_mul(d, at->s, x), cx = dag_mul(d, at->c, x);
 	struct smat out = *T;
 
@@ -333,8 +337,11 @@ void joint_turn_apart(struct dag *d, const struct body *k, const struct joint_po
 			hand_over(d, &constant->m[i / 3][i % 3], &varied->m[i / 3][i % 3]);
 	if (k->type == JOINT_FLOATING)
 		*varied = turn_constant(d, &x->Q, varied);
-	else if (turns(k))
-		*varied = turn_about(d, k->axis, x, varied, dag_add(d, spread(d, k->axis, constant), spread(d, k->axis, varied)));
+	else if (turns(k)) {
+		struct ref varies_by = spread(d, k->axis, varied);
+
+		*varied = turn_about(d, k->axis, x, varied, dag_add(d, spread(d, k->axis, constant), varies_by));
+	}
 	*varied = turn_constant(d, &x->R, varied);
 	*constant = turn_constant(d, &x->R, constant);
 }

@@ -8,7 +8,7 @@ struct smat motion_rate_matrix(struct dag *d, struct svec w, struct svec dw)
 		int j = (i + 1) % 3, k = (i + 2) % 3;
 		struct ref jk = dag_mul(d, w.x[j], w.x[k]);
 
-		U.m[i][i] = dag_neg(d, dag_add(d, dag_mul(d, w.x[j], w.x[j]), dag_mul(d, w.x[k], w.x[k])));
+		U.m[i][i] = dag_neg(d, dag_add_products(d, w.x[j], w.x[j], w.x[k], w.x[k]));
 		U.m[j][k] = dag_sub(d, jk, dw.x[i]);
 		U.m[k][j] = dag_add(d, jk, dw.x[i]);
 	}
@@ -17,7 +17,9 @@ struct smat motion_rate_matrix(struct dag *d, struct svec w, struct svec dw)
 
 struct svec motion_slide(struct dag *d, struct svec w, struct svec V, struct svec dV)
 {
-	return svec_add(d, dV, svec_scale(d, dag_const(d, 2), svec_cross(d, w, V)));
+	struct svec turned = svec_cross(d, w, V);
+
+	return svec_add(d, dV, svec_scale(d, dag_const(d, 2), turned));
 }
 
 /* With the products of w that U has already:
@@ -29,12 +31,13 @@ struct svec rigid_body_moment(struct dag *d, const struct inertia *I, const stru
 	for (int i = 0; i < 3; i++) {
 		int j = (i + 1) % 3, k = (i + 2) % 3;
 		struct sum spread = {0};
-		struct ref squares = dag_sub(d, dag_mul(d, x->w.x[j], x->w.x[j]), dag_mul(d, x->w.x[k], x->w.x[k]));
+		struct ref squares = dag_sub_products(d, x->w.x[j], x->w.x[j], x->w.x[k], x->w.x[k]), turning;
 
 		sum_add(&spread, I->I[inertia_index(k, k)]);
 		sum_add(&spread, within_neg(I->I[inertia_index(j, j)]));
-		n.x[i] = dag_add(d, dag_mul(d, dag_within(d, I->I[inertia_index(i, i)]), x->dw.x[i]),
-			dag_mul(d, dag_within(d, sum_total(spread)), dag_mul(d, x->w.x[j], x->w.x[k])));
+		turning = dag_mul(d, x->w.x[j], x->w.x[k]);
+		turning = dag_mul(d, dag_within(d, sum_total(spread)), turning);
+		n.x[i] = dag_add(d, dag_mul(d, dag_within(d, I->I[inertia_index(i, i)]), x->dw.x[i]), turning);
 		n.x[i] = dag_sub(d, n.x[i], dag_mul(d, dag_within(d, I->I[inertia_index(i, j)]), x->U.m[k][i]));
 		n.x[i] = dag_add(d, n.x[i], dag_mul(d, dag_within(d, I->I[inertia_index(i, k)]), x->U.m[j][i]));
 		n.x[i] = dag_add(d, n.x[i], dag_mul(d, dag_within(d, I->I[inertia_index(j, k)]), squares));
@@ -105,10 +108,13 @@ void rigid_body_wrench(struct dag *d, const struct body *k, const struct motion 
 		struct svec c = svec_const(d, I_c.h);
 
 		*f = svec_scale(d, mass, svec_add(d, x->a, smat_mul(d, &x->U, c)));
-		*n = svec_add(d, rigid_body_moment(d, &I_c, x), svec_cross(d, c, *f));
+		*n = svec_cross(d, c, *f);
+		*n = svec_add(d, rigid_body_moment(d, &I_c, x), *n);
 	} else {
-		*f = svec_add(d, svec_scale(d, mass, x->a), smat_mul(d, &x->U, h));
-		*n = svec_add(d, rigid_body_moment(d, &k->inertia, x), svec_cross(d, h, x->a));
+		*f = smat_mul(d, &x->U, h);
+		*f = svec_add(d, svec_scale(d, mass, x->a), *f);
+		*n = svec_cross(d, h, x->a);
+		*n = svec_add(d, rigid_body_moment(d, &k->inertia, x), *n);
 	}
 }
 
@@ -156,8 +162,10 @@ struct svec rigid_body_inertia_times(struct dag *d, const struct parameters *p, 
 
 void rigid_body_wrench_free(struct dag *d, const struct parameters *p, const struct motion *x, struct svec *f, struct svec *n)
 {
-	*f = svec_add(d, svec_scale(d, p->mass, x->a), smat_mul(d, &x->U, p->h));
-	*n = svec_add(d, rigid_body_inertia_times(d, p, x->dw), svec_cross(d, x->w, rigid_body_inertia_times(d, p, x->w)));
+	*f = smat_mul(d, &x->U, p->h);
+	*f = svec_add(d, svec_scale(d, p->mass, x->a), *f);
+	*n = svec_cross(d, x->w, rigid_body_inertia_times(d, p, x->w));
+	*n = svec_add(d, rigid_body_inertia_times(d, p, x->dw), *n);
 	*n = svec_add(d, *n, svec_cross(d, p->h, x->a));
 }
 
@@ -170,15 +178,16 @@ static void unit_moments(struct dag *d, const struct motion *x, int i, struct sv
 	diagonal->x[i] = x->dw.x[i];
 	diagonal->x[j] = dag_mul(d, x->w.x[k], x->w.x[i]);
 	diagonal->x[k] = dag_neg(d, dag_mul(d, x->w.x[i], x->w.x[j]));
-	across->x[i] = dag_sub(d, dag_mul(d, x->w.x[j], x->w.x[j]), dag_mul(d, x->w.x[k], x->w.x[k]));
+	across->x[i] = dag_sub_products(d, x->w.x[j], x->w.x[j], x->w.x[k], x->w.x[k]);
 	across->x[j] = dag_neg(d, x->U.m[i][j]);
 	across->x[k] = x->U.m[i][k];
 }
 
 void rigid_body_powers(struct dag *d, const struct motion *x, struct svec V, struct svec W, struct ref *power)
 {
-	struct svec h = svec_add(d, smat_mul_transposed(d, &x->U, V), svec_cross(d, x->a, W));
+	struct svec h = svec_cross(d, x->a, W);
 
+	h = svec_add(d, smat_mul_transposed(d, &x->U, V), h);
 	power[0] = svec_dot(d, V, x->a);
 	for (int i = 0; i < 3; i++) {
 		struct svec diagonal, across;
@@ -192,8 +201,9 @@ void rigid_body_powers(struct dag *d, const struct motion *x, struct svec V, str
 
 struct ref rigid_body_kinetic(struct dag *d, const struct parameters *p, const struct motion *x)
 {
-	struct ref twice = dag_add(d, dag_mul(d, p->mass, svec_dot(d, x->v, x->v)),
-		svec_dot(d, x->w, rigid_body_inertia_times(d, p, x->w)));
+	struct ref turning = svec_dot(d, x->w, rigid_body_inertia_times(d, p, x->w));
+	struct ref twice = dag_add(d, dag_mul(d, p->mass, svec_dot(d, x->v, x->v)), turning);
+	struct ref both = svec_dot(d, x->v, svec_cross(d, x->w, p->h));
 
-	return dag_add(d, dag_mul(d, dag_const(d, 0.5L), twice), svec_dot(d, x->v, svec_cross(d, x->w, p->h)));
+	return dag_add(d, dag_mul(d, dag_const(d, 0.5L), twice), both);
 }

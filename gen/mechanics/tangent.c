@@ -10,7 +10,8 @@ static void rates_floating(struct dag *d, const struct body *k, struct joint_inp
 
 	for (int i = 0; i < 3; i++)
 		u.x[i] = source_row(d, &in.q, k->iq + 3 + i);
-	du = svec_scale(d, half, svec_add(d, svec_scale(d, s, w), svec_cross(d, u, w)));
+	du = svec_cross(d, u, w);
+	du = svec_scale(d, half, svec_add(d, svec_scale(d, s, w), du));
 	for (int i = 0; i < 3; i++) {
 		rates[i] = p.x[i];
 		rates[3 + i] = du.x[i];

@@ -25,7 +25,8 @@ static void joint_fields(const struct recursion *x, int body, struct svec Z, str
 	const struct motion *m = &x->r->frames[body + 1].motion;
 	struct svec rate = twice(d, svec_cross(d, m->w, Z));
 
-	by[BY_Q] = (struct field){smat_mul(d, &m->U, Z), rate, svec_add(d, smat_mul(d, &m->U, Y), svec_cross(d, m->a, Z))};
+	by[BY_Q] = (struct field){smat_mul(d, &m->U, Z), rate, svec_cross(d, m->a, Z)};
+	by[BY_Q].gamma = svec_add(d, smat_mul(d, &m->U, Y), by[BY_Q].gamma);
 	by[BY_QD] = (struct field){rate, twice(d, Z), twice(d, svec_cross(d, m->w, Y))};
 }
 
@@ -45,7 +46,8 @@ static void slide_fields(const struct recursion *x, int body, struct svec Y, str
 	const struct motion *from = &x->r->frames[x->r->t->bodies[body].parent + 1].motion;
 	struct svec w = from_parent(x, body, from->w), rate = svec_cross(d, w, Y);
 
-	by[BY_Q].gamma = svec_add(d, svec_cross(d, from_parent(x, body, from->dw), Y), svec_cross(d, w, rate));
+	by[BY_Q].gamma = svec_cross(d, w, rate);
+	by[BY_Q].gamma = svec_add(d, svec_cross(d, from_parent(x, body, from->dw), Y), by[BY_Q].gamma);
 	by[BY_QD].gamma = twice(d, rate);
 }
 
@@ -57,7 +59,7 @@ static void floating_fields(const struct recursion *x, int body, struct svec Z, 
 	struct dag *d = x->r->d;
 	const struct body *k = &x->r->t->bodies[body];
 	const struct joint_rates m = joint_move(d, k, x->r->in);
-	struct svec up = x->r->frames[k->parent + 1].motion.a;
+	struct svec up = x->r->frames[k->parent + 1].motion.a, more;
 	struct ref excess = dag_const(d, -1);
 
 	for (int i = 3; i < 7; i++) {
@@ -65,8 +67,10 @@ static void floating_fields(const struct recursion *x, int body, struct svec Z, 
 
 		excess = dag_add(d, dag_mul(d, e, e), excess);
 	}
-	by[BY_Q].gamma = svec_cross(d, svec_add(d, from_parent(x, body, up), svec_scale(d, excess, up)), Z);
-	by[BY_QD] = (struct field){svec_cross(d, m.W, Z), twice(d, Z), svec_add(d, svec_cross(d, m.W, Y), svec_cross(d, Z, m.V))};
+	more = svec_scale(d, excess, up);
+	by[BY_Q].gamma = svec_cross(d, svec_add(d, from_parent(x, body, up), more), Z);
+	by[BY_QD] = (struct field){svec_cross(d, m.W, Z), twice(d, Z), svec_cross(d, Z, m.V)};
+	by[BY_QD].gamma = svec_add(d, svec_cross(d, m.W, Y), by[BY_QD].gamma);
 }
 
 /* (Z', Z, Y'): a slide of a planar joint is along the parent's axes, all else along the body's. */
