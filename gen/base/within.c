@@ -4,17 +4,31 @@
 #include <stdint.h>
 #include <string.h>
 
-/* Half a unit in the last place of 1. */
+/* Half a unit in the last place of 1. Where numbers have more than 64 digits of two, 64 are kept: texts go by what is found to be
+   equal, and other processors write what x86 writes. */
+#if LDBL_MANT_DIG > 64
+static const real UNIT = 0x1p-64L;
+
+static real kept(real x)
+{
+	const real scaled = x * ((real)(1ull << (LDBL_MANT_DIG - 64)) + 1);
+
+	return isfinite(scaled) ? scaled - (scaled - x) : x;
+}
+#else
 static const real UNIT = LDBL_EPSILON / 2;
+#define kept(x) (x)
+#endif
 
 static const real RIGHT_ANGLE = 1.57079632679489661923132169163975144L;
 
 /* What makes up for the rounding of e itself: no operation has more than eight. */
 static struct within closed(real x, real near, real e)
 {
-	if (isnan(e))
-		e = (real)INFINITY;
-	return (struct within){x, near, e > 0 ? e * (1 + 16 * UNIT) + LDBL_TRUE_MIN : 0, 0, 0};
+	const real k = kept(near);
+
+	e = isnan(e) ? (real)INFINITY : isfinite(near) ? e + fabsl(near - k) : e;
+	return (struct within){kept(x), k, e > 0 ? e * (1 + 16 * UNIT) + LDBL_TRUE_MIN : 0, 0, 0};
 }
 
 static int is_nothing(const struct within *a)
@@ -59,7 +73,7 @@ struct within within_exact(real x)
 
 struct within within_decimal(real x, real near)
 {
-	return closed(x, near, UNIT * fabsl(near));
+	return closed(x, kept(near), UNIT * fabsl(near));
 }
 
 struct within within_double(double x)
@@ -113,7 +127,7 @@ static real rounding(real a, real b, real product)
 struct within within_mul(struct within a, struct within b)
 {
 	real product = a.near * b.near, inherited = fabsl(a.near) * b.e + fabsl(b.near) * a.e + a.e * b.e;
-	struct within c = {a.x * b.x, product, 0, 0, 0};
+	struct within c = {kept(a.x * b.x), product, 0, 0, 0};
 
 	if (is_nothing(&a) || is_nothing(&b))
 		return c;

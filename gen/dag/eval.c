@@ -269,7 +269,7 @@ static struct given constant_error(const struct dag *d, const struct node *n, re
 
 #define T real
 #define EVAL(name) name##_real
-#define UNIT 0x1p-64
+#define UNIT ((double)LDBL_EPSILON / 2)
 #define TINY 0x1p-1072
 #define LARGEST DBL_MAX
 #define T_FMA fmal
