@@ -169,7 +169,7 @@ int request_wants_derivative(const struct request *k);
 /* Is it of the torques alone, or of the qdd found, and by the state? */
 int request_is_plain_product(const struct request *k, const struct product *p);
 
-/* The error that a want which a product is of does not vary, since what it depends on is given. */
+/* The error that a want which a product is of does not vary with what is not given. */
 enum rneagen_code request_refuse_constant(const struct request *k, const struct scene *s, int want, struct rneagen_error *e);
 
 #endif

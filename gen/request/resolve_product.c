@@ -180,6 +180,6 @@ enum rneagen_code request_refuse_constant(const struct request *k, const struct 
 		for (const struct scene_choice *c = NULL; (c = scene_next(s, keys[i], c));)
 			if (!strcmp(c->name, word))
 				return scene_refuse(s, c, e,
-					"'%.255s' does not vary: what --fold gives makes it constant; leave it out", word);
+					"'%.255s' does not vary with what --fold leaves: leave it out", word);
 	return error_set(e, RNEAGEN_SCENE, "%s: '%.255s' does not vary", s->file, word);
 }

@@ -134,7 +134,7 @@ static const struct refusal {
 	{"want jvp\njvp kinetic", "scene line 2, jvp: --want jvp is --jvp tau: name tau here, and leave that out"},
 	{"vjp tau,qdd", "scene line 1, vjp: tau is an input where qdd is wanted: leave it out"},
 	{"fold qd=0\nvjp tau,kinetic",
-		"scene line 2, vjp: 'kinetic' does not vary: what --fold gives makes it constant; leave it out"},
+		"scene line 2, vjp: 'kinetic' does not vary with what --fold leaves: leave it out"},
 	{"by gravity", "scene line 1, by: 'gravity' is no constant of --free and no wrench of --fext"},
 	{"free gravity\nby gravity", "scene line 2, by: there is no product that could be by 'gravity': take --jvp or --vjp"},
 	{"free payload.arm\nvjp tau\nby payload.arn", "scene line 3, by: 'payload.arn' is no constant of --free and no "
