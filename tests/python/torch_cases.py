@@ -166,6 +166,8 @@ def case_no_torque():
     robot = load("double_pendulum", want="qdd", fold={"tau.elbow": 0})  # one row is not read: no derivative by it
     x = [y.requires_grad_() for y in tensors(robot, 2)]
     assert torch.autograd.gradcheck(robot, x, check_forward_ad=True) and torch.autograd.gradgradcheck(robot, x)
+    graph = torch.fx.experimental.proxy_tensor.make_fx(robot)(*(y.detach() for y in x)).graph
+    assert sum(node.op == "call_function" for node in graph.nodes) == 1  # nothing is copied for it
 
 
 def case_products():

@@ -46,17 +46,6 @@ class Library(NamedTuple):
     cross: Callable[[Any, Any], Any]  # of vectors along the last axis
 
 
-def without_given_torques(robot, arrays: Sequence, join: Callable[[list], Any]) -> Sequence:
-    """With rows of tau that fold= gives times 0: a text has derivatives by them, though it does not read them."""
-    rows = robot._facts["given"]["tau"]
-    i = next((i for i, a in enumerate(robot.inputs) if a.role == "joint_torque"), -1) if rows else -1
-    tau = arrays[i] if i >= 0 else None
-    if tau is None or tuple(tau.shape[-1:]) != robot.inputs[i].shape:
-        return arrays
-    parts = [0 * tau[..., k:k + 1] if k in rows else tau[..., k:k + 1] for k in range(robot.nv)]
-    return [*arrays[:i], join(parts), *arrays[i + 1:]]
-
-
 class Gradients:
     """Of one robot."""
 
@@ -64,6 +53,7 @@ class Gradients:
         self.robot, self.library = robot, library
         self.is_forward = robot._facts["forward"]
         self.floating = [joint for joint in robot.joints if joint["nq"] != joint["nv"]]
+        self.given = robot._facts["given"]["tau"]  # by row
         self.made: dict[tuple, Any] = {}  # robots of derivatives, by what they are of and by
 
     # ---- the robots ----
@@ -234,6 +224,8 @@ class Gradients:
         if array.role in PARTS:
             at, nv = PARTS[array.role] * self.robot.nv, self.robot.nv
             part = found["vjp"][..., at:at + nv]
+            if array.role == "joint_torque":
+                return self.without_given(part)
             return self.to_numbers(given[array.word], part) if array.role == "joint_position" and self.floating else part
         product = found.get(f"vjp.{array.word}")
         if product is None or not array.per_batch or array.word in apart:
@@ -305,8 +297,16 @@ class Gradients:
         for a, d in given:
             if a.role in PARTS:
                 is_numbers = a.role == "joint_position" and self.floating
+                d = self.without_given(d) if a.role == "joint_torque" else d
                 parts[PARTS[a.role]] = self.from_numbers(values[a.word], d) if is_numbers else d
         return self.library.join(parts)
+
+    def without_given(self, rows):
+        """With 0 for rows of tau that fold= gives: texts have derivatives by them, though they do not read them."""
+        if not self.given:
+            return rows
+        zero = self.library.zeros(rows, (*rows.shape[:-1], 1))
+        return self.library.join([zero if i in self.given else rows[..., i:i + 1] for i in range(self.robot.nv)])
 
     # ---- quaternions ----
 

@@ -24,7 +24,7 @@ from typing import Any, Sequence
 import jax
 import jax.numpy as jnp
 
-from . import _arrays, _gradient
+from . import _arrays
 from ._errors import BackendError
 
 OLDEST = (0, 6)
@@ -73,8 +73,7 @@ def call(robot, arrays: Sequence[Any], out: Any):
     lead = check(robot, given)
     dtype = next(x for x in given if x is not None).dtype
     whole = [jnp.asarray(_arrays.fill(a, lead, dtype)) if x is None else x for a, x in zip(robot.inputs, given)]
-    whole = _gradient.without_given_torques(robot, gathered(whole), _jax_operator.LIBRARY.join)
-    return robot._join(_jax_operator.run(operator, whole))
+    return robot._join(_jax_operator.run(operator, gathered(whole)))
 
 
 def bind(robot, arrays: Sequence[Any], out: Any):

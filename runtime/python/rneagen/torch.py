@@ -156,7 +156,6 @@ def call(robot, arrays: Sequence[Any], out: Any):
         every = (*arrays, *outputs)
         function_for(robot, every, True)(*every)
         return out
-    arrays = _gradient.without_given_torques(robot, arrays, lambda parts: torch.cat(parts, -1))
     if _is_traced() and is_transformed():
         made = transformed(robot._key, *arrays)
     else:
