@@ -388,6 +388,26 @@ def case_second():
         assert near(hessian(lambda x: slides(q, x).square().sum())(tau), 2 * Minv @ Minv)
 
 
+def case_second_beside_free():
+    """Second derivatives by the state where what is free requires gradients too; those by it are refused once they are asked for."""
+    robot = load("double_pendulum", free=["mass.lower", "gravity"])
+    x = [y.requires_grad_() for y in tensors(robot, 3)]
+    q, mass = x[0], x[3]
+
+    def slope():
+        return torch.autograd.grad(robot(*x).square().sum(), q, create_graph=True)[0].sum()
+
+    right = torch.func.hessian(lambda q: robot(q, *x[1:]).square().sum())(q.detach()).sum((0, 1))
+    assert near(torch.autograd.grad(slope(), q)[0], right)
+    slope().backward(inputs=[q])
+    assert near(q.grad, right)
+    for by in (slope().backward, lambda: torch.autograd.grad(slope(), mass), lambda: torch.autograd.grad(slope(), [q, mass])):
+        refused(NotImplementedError, ["double_pendulum", "no second derivatives by"], by)
+    both = robot.want("tau", vjp=["tau"])
+    w = torch.ones_like(q)
+    assert near(torch.autograd.grad(both(*x, w).tau.sum(), mass)[0], torch.autograd.grad(robot(*x).sum(), mass)[0])
+
+
 def case_positions():
     """integrate and difference have gradients, also where nothing moves."""
     robot = load("cartpole", base="floating")

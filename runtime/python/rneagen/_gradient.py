@@ -121,6 +121,9 @@ class Gradients:
     def lacking(self, what: str) -> NotImplementedError:
         return NotImplementedError(f"{self.robot.name}: {what}. {HAD}")
 
+    def no_second(self, array) -> NotImplementedError:
+        return self.lacking(f"no second derivatives by {array.word}")
+
     @staticmethod
     def constant_of(array) -> str:
         """The word of the constant that this is, or is a direction of."""

@@ -27,6 +27,7 @@ class Operator:
         self.inputs, self.outputs = robot.inputs, robot.outputs
         self.tails = [(a.shape, a.per_batch) for a in self.inputs]
         self.several = len(self.outputs) > 1
+        self.is_product = all(a.role == "vjp" for a in self.outputs)
         self.plans: dict[tuple, Plan] = {}  # by shape, dtype and device of the first tensor: what all others are then
         self.defaults: dict[tuple, Tensor] = {}  # inputs that were left out
         self.gradients = _torch_gradient.Gradients(robot, function_for)

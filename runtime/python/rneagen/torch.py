@@ -91,7 +91,10 @@ def function_for(robot, tensors: Sequence[Any], is_out: bool):
     if not operator:
         return getattr(torch.ops.rneagen, name_of(robot._key, is_out)).default
     check_dense(names_of(robot), tensors)
-    return operator.op_out if is_out else operator.op if is_plain() else operator.function.apply
+    if is_out:
+        return operator.op_out
+    made = operator.op if is_plain() else operator.function.apply
+    return (lambda *tensors: made(*operator.gradients.guarded(tensors))) if operator.is_product else made
 
 
 @torch.compiler.assume_constant_result
