@@ -298,7 +298,7 @@ int draw_inputs(struct drawn *x, const struct tree *t, const struct request *k, 
 	x->samples = o->count;
 	for (int i = 0; i < x->count; i++) {
 		x->arrays[i].per_batch &= !o->each;
-		x->arrays[i].values = arena_alloc(a, samples_of(x, &x->arrays[i]) * (size_t)x->arrays[i].rows, sizeof(double));
+		x->arrays[i].values = arena_alloc(a, samples_of(x, &x->arrays[i]), (size_t)x->arrays[i].rows * sizeof(double));
 	}
 	for (size_t s = 0; !a->failed && s < o->count; s++)
 		draw_state(states, x, t, s);

@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     from . import casadi as casadi, jax as jax, torch as torch
 else:
     def __getattr__(name: str):
-        """rneagen.casadi, rneagen.jax and rneagen.torch, which import what they are for, by their names alone."""
+        """rneagen.casadi, rneagen.jax and rneagen.torch, which import what they are for, by their names alone. dir() has none of
+        them: help() imports all that it has."""
         if name not in ("casadi", "jax", "torch"):
             raise AttributeError(f"module 'rneagen' has no attribute '{name}'")
         return importlib.import_module(f"rneagen.{name}")

@@ -259,8 +259,6 @@ static PyObject *model_draw(PyObject *self, PyObject *args)
 
 	if (!PyArg_ParseTuple(args, "Kn", &o.seed, &count))
 		return NULL;
-	if (count < 0)
-		return PyErr_Format(PyExc_ValueError, "n takes a whole number from 0 on, not %zd", count);
 	o.count = (size_t)count;
 	arena_init(&arena, NULL);
 	Py_BEGIN_ALLOW_THREADS
