@@ -5,7 +5,8 @@ usage: identify.py ROBOT.urdf
 
 The arm that is measured is another than its URDF says: each link's mass, and its inertia with it, is up to 30 % off. Its
 torques, with noise, are made from a URDF of that arm. What is found is held against that arm, and predicts the torques of a
-motion that was not used. Exit status 1: it does not.
+motion that was not used. Exit status 1: it does not. A robot with a joint that floats is refused: on legs, say, unknown forces
+of the ground are part of its torques.
 """
 import re
 import sys
@@ -64,6 +65,8 @@ def base_columns(Y):
 def main(urdf):
     rng = np.random.default_rng(SEED)
     model, arm = rneagen.load(urdf), another_arm(rng, urdf)
+    if model.nq != model.nv:
+        sys.exit(f"{model.name}: a joint floats: this program is for robots on a base that stands")
     stated, true, regressor = model.inertial_parameters, arm.inertial_parameters, model.want("regressor")
     bodies = regressor.info["inertial_parameters"]["bodies"]  # those of followers too, which model.joints has not
     names = [f"{symbol} of {body['link']}" for body in bodies for symbol in SYMBOLS]
