@@ -266,6 +266,8 @@ def case_transforms_of_constants():
     assert near(func.vmap(lambda p: f(q, qd, qdd, p))(loads), one_by_one(lambda p: f(q, qd, qdd, p), loads))
     for d in (func.grad(lambda *x: f(*x).sum(), argnums=3), func.jacfwd(f, argnums=3), func.jacrev(f, argnums=3), func.jacfwd(f)):
         assert near(func.vmap(d)(q, qd, qdd, loads), one_by_one(d, q, qd, qdd, loads))
+    for wrong in (loads[:, :3], loads[:, None]):  # as without vmap
+        refused(ValueError, ["payload_lower", str(tuple(wrong.shape[1:])), "(10,)"], func.vmap(f), q, qd, qdd, wrong)
     right = robot.want("dtau_dgravity")(q, held, g)
     assert near(func.jacfwd(lambda *x: robot(*x), argnums=4)(q, qd, qdd, held, g), right)
     there = g.clone().requires_grad_()

@@ -71,6 +71,8 @@ class Operator:
         """What vmap over these is: its axis becomes one more of the samples, of all constants that have it too. The outputs, and
         where their axes are."""
         gradients, size = self.gradients, info.batch_size
+        _arrays.lead_of((a, tuple(n for i, n in enumerate(x.shape) if i != dim))
+                        for a, x, dim in zip(self.inputs, tensors, in_dims) if x is not None)
         words = [gradients.constant_of(a) for a in self.inputs]
         apart = {word for a, word, dim in zip(self.inputs, words, in_dims) if a.per_batch and dim is not None}
         moved = [x if x is None or a.per_batch and word not in apart else
