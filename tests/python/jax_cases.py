@@ -270,6 +270,10 @@ def case_second():
         along = jax.jit(jax.vmap(lambda v: jax.jvp(gradient, (q,), (v,))[1]))(jnp.eye(robot.nq))
         for hessian in (jax.hessian(loss)(q), jax.jacrev(gradient)(q), along.T):
             assert near(hessian, right, 1e-6), options
+    robot = load("double_pendulum", free=["mass.lower"])
+    slopes, x = jax.grad(lambda *x: (robot(*x) ** 2).sum()), arrays(robot)
+    near_by = [slopes(*x[:3], x[3] + s) for s in (step, -step)]
+    assert near(jax.jacfwd(slopes, argnums=3)(*x)[..., 0], (near_by[0] - near_by[1]) / (2 * step), 1e-7)
 
 
 def case_positions():

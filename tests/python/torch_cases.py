@@ -405,6 +405,11 @@ def case_second_beside_free():
     assert near(q.grad, right)
     for by in (slope().backward, lambda: torch.autograd.grad(slope(), mass), lambda: torch.autograd.grad(slope(), [q, mass])):
         refused(NotImplementedError, ["double_pendulum", "no second derivatives by"], by)
+    slopes, step = torch.func.grad(lambda *x: robot(*x).square().sum()), 1e-6
+    there = [y.detach() for y in x]
+    mixed = torch.func.jacfwd(slopes, argnums=3)(*there)[..., 0]
+    near_by = [slopes(*there[:3], there[3] + s, there[4]) for s in (step, -step)]
+    assert near(mixed, (near_by[0] - near_by[1]) / (2 * step), 1e-7)
     both = robot.want("tau", vjp=["tau"])
     w = torch.ones_like(q)
     assert near(torch.autograd.grad(both(*x, w).tau.sum(), mass)[0], torch.autograd.grad(robot(*x).sum(), mass)[0])

@@ -27,8 +27,8 @@ from ._errors import RobotError
 PARTS = {"joint_position": 0, "joint_velocity": 1, "joint_acceleration": 2, "joint_torque": 2}  # of vjp and jvp_v
 FREED = ("gravity", "link_mass", "link_inertia", "link_payload", "joint_offset", "joint_armature", "joint_damping",
          "joint_friction", "armature", "damping", "friction")
-HAD = ("There are no third derivatives, and second ones by q, qd, qdd and tau alone, where the first goes backward (grad, vjp, "
-       "jacrev), as in hessian; take differences of those for others")
+HAD = ("There are no third derivatives; second ones are those of gradients (grad, vjp, jacrev) by q, qd, qdd and tau: by these, as in "
+       "hessian, and forward, as in jacfwd(grad(f)), by what is free too; take differences of those for others")
 REFUSED = {"jvp": f"it is a derivative along a direction. {HAD}", "joint_acceleration_bound": "it is a bound"}  # by role
 
 

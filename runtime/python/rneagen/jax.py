@@ -14,8 +14,8 @@ each device computes all of them. Inside jax.shard_map each computes its own.
 
 Derivatives are of all outputs but qdd_bound and products, which raise NotImplementedError when they are
 differentiated; by q, qd, qdd or tau, what free= names, and wrenches of fext=. Those of several outputs are made in one
-sweep. Second ones are by the state: jax.hessian, or jax.jvp of jax.grad; not those of jax.jvp. Derivatives by a quaternion are
-those of the function on unit quaternions: the part along the quaternion is left out.
+sweep. Second ones are by the state: jax.hessian, or jax.jvp of jax.grad, which may be by what is free too; not those of jax.jvp.
+Derivatives by a quaternion are those of the function on unit quaternions: the part along the quaternion is left out.
 """
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ a robot, unless PyTorch was there when the robot was loaded.
 Gradients are of all outputs but qdd_bound and products, which raise NotImplementedError when they are differentiated;
 by q, qd, qdd or tau, what free= names, and wrenches of fext=. Those of several outputs are made in one sweep. Forward,
 torch.func.jvp, jacfwd and torch.autograd.forward_ad have them too. Second ones are by the state: torch.func.hessian,
-and gradients with create_graph=True. Where autocast is on, tensors of float16 and bfloat16 are taken as float32.
+and gradients with create_graph=True; of gradients by the state there are those by what is free, forward. Where autocast is on, tensors of float16 and bfloat16 are taken as float32.
 
 The gradient by a quaternion is that of the function on unit quaternions: its part along the quaternion is zero. Where
 q is not made unit outside, q / |q| belongs before the call, and then all is as torch.autograd.gradcheck has it. Other
