@@ -178,6 +178,7 @@ class Robot(_core.Robot):
         self._is_sparse = self.sparse and any(a.is_matrix for a in self.outputs)
         self._outputs = tuple_of("Outputs", tuple(_arrays.identifiers(self.outputs))) if len(self.outputs) > 1 else None
         self._kernels: dict[tuple, Any] = {}
+        self._lacking = ""  # why the evaluator computes, where nobody asked for it
         self._wanted: dict[tuple, Robot] = {}
         self._lock = Lock()
         self._define(tuple((a.name, a.rows, a.shape, a.per_batch) for a in arrays), len(self.inputs),
@@ -297,7 +298,8 @@ class Robot(_core.Robot):
         backend), cached, seconds, threads, unkept (why the cache did not keep it)."""
         own = self._options.get("backend") or "any"
         opened = [kernel for (_, backend, _), kernel in self._kernels.items() if backend == own]
-        return (opened[0] if opened else self.kernel(self._options.get("precision") or "f64")).build()
+        told = (opened[0] if opened else self.kernel(self._options.get("precision") or "f64")).build()
+        return {**told, "note": self._lacking} if told["backend"] == "evaluator" else told
 
     def __repr__(self) -> str:
         given = ", ".join(f"{k}={v!r}" for k, v in self._options.items() if v is not None)
@@ -383,6 +385,7 @@ class Robot(_core.Robot):
                 return translated(_core.open, text, options)
             if backend != "any" or error.code not in ("NO_COMPILER", "COMPILER"):
                 raise
+            self._lacking = str(error)
             warnings.warn(f"{self.name}: computed by the evaluator, slowly: {error}", RuntimeWarning, stacklevel=4)
             threads = {k: v for k, v in options.items() if k == "threads"}
             return translated(_core.evaluate, self._urdf, {**generator, "layout": "aos"}, threads)
