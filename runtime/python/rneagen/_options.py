@@ -35,7 +35,7 @@ class SceneFile(NamedTuple):
 
 def read(urdf: str | os.PathLike | bytes) -> tuple[bytes, str]:
     """The text of a URDF and its file, from either. Every text has a "<", in UTF-16 too."""
-    if isinstance(urdf, str) and "<robot" in urdf:
+    if isinstance(urdf, str) and ("<robot" in urdf or urdf.lstrip("\ufeff \t\r\n").startswith("<")):
         return urdf.encode(), "<urdf>"
     if isinstance(urdf, bytes) and (b"<" in urdf or not urdf):
         return urdf, "<urdf>"

@@ -526,7 +526,7 @@ class Robot(_core.Robot):
 
 
 def load(urdf: str | os.PathLike | bytes, **keywords: Unpack[Keywords]) -> Robot:
-    """Load a robot from the URDF at a path, or from its text: a string with "<robot" in it, or bytes with "<".
+    """Load a robot from the URDF at a path, or from its text: a string that begins with "<", or bytes with "<".
 
         robot = rneagen.load("iiwa14.urdf")
         tau = robot(q, qd, qdd)
