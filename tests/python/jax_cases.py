@@ -268,12 +268,15 @@ def case_second():
         gradient, step = jax.grad(loss), 1e-6
         right = jnp.stack([(gradient(q + step * e) - gradient(q - step * e)) / (2 * step) for e in np.eye(robot.nq)], 1)
         along = jax.jit(jax.vmap(lambda v: jax.jvp(gradient, (q,), (v,))[1]))(jnp.eye(robot.nq))
-        for hessian in (jax.hessian(loss)(q), jax.jacrev(gradient)(q), along.T):
+        for hessian in (jax.hessian(loss)(q), jax.jacrev(gradient)(q), along.T, jax.jit(jax.jacrev(jax.jacfwd(loss)))(q)):
             assert near(hessian, right, 1e-6), options
     robot = load("double_pendulum", free=["mass.lower"])
     slopes, x = jax.grad(lambda *x: (robot(*x) ** 2).sum()), arrays(robot)
     near_by = [slopes(*x[:3], x[3] + s) for s in (step, -step)]
-    assert near(jax.jacfwd(slopes, argnums=3)(*x)[..., 0], (near_by[0] - near_by[1]) / (2 * step), 1e-7)
+    mixed = (near_by[0] - near_by[1]) / (2 * step)
+    assert near(jax.jacfwd(slopes, argnums=3)(*x)[..., 0], mixed, 1e-7)
+    along_mass = jax.grad(lambda q: jax.jvp(lambda m: (robot(q, *x[1:3], m) ** 2).sum(), (x[3],), (0 * x[3] + 1,))[1])
+    assert near(along_mass(x[0]), mixed, 1e-7)
 
 
 def case_positions():
@@ -332,7 +335,7 @@ def case_transforms():
     back, = jax.linear_transpose(straight, q)(qd)
     assert near(back, jax.vjp(lambda q: robot(q, qd, tau), q)[1](qd)[0])
     refused(NotImplementedError, ["second", "double_pendulum", "grad", "hessian", "differences"],
-            jax.grad(lambda q: jax.jvp(lambda q: robot(q, qd, tau), (q,), (qd,))[1].sum()), q)
+            jax.jacfwd(jax.jacfwd(lambda q: robot(q, qd, tau))), q)
     for third in (jax.jacfwd(jax.hessian(lambda q: robot(q, qd, tau).sum())), jax.grad(lambda q: jax.grad(lambda q: jax.grad(
             lambda q: robot(q, qd, tau).sum())(q).sum())(q).sum())):
         refused(NotImplementedError, ["no third derivatives", "double_pendulum", "hessian", "differences"], third, q)

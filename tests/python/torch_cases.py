@@ -185,8 +185,12 @@ def case_products():
     assert [a.name for a in along.inputs] in (["q", "payload_iiwa_link_7", "jvp_v"], ["q", "jvp_v"])
     refused(NotImplementedError, ["no second derivatives by", "payload.iiwa_link_7"],
             sweep(q, qd, qdd, load_of, w).vjp.sum().backward)
-    refused(NotImplementedError, ["jvp has no gradient"], along(*(q if a.name == "q" else load_of if a.of else torch.ones(
-        5, 21, dtype=torch.float64, device=device) for a in along.inputs)).sum().backward)
+    d = torch.randn(5, 21, dtype=torch.float64, generator=torch.Generator().manual_seed(SEED)).to(device).requires_grad_()
+    product = along(*(q if a.name == "q" else d if a.name == "jvp_v" else load_of for a in along.inputs))
+    found = torch.autograd.grad(product.sum(), [q, d])
+    pose = robot.want("pose.iiwa_link_7")
+    slope = torch.autograd.grad(pose(*(q if a.name == "q" else load_of for a in pose.inputs)).sum(), q, create_graph=True)[0]
+    assert near(found[0], torch.autograd.grad((slope * d[:, :7].detach()).sum(), q)[0]) and near(found[1][:, :7], slope.detach())
     refused(TypeError, ["vpj", "vjp"], robot.want, vpj=["tau"])
     if exhaustive():
         check_gradient("iiwa14")
@@ -288,8 +292,9 @@ def case_compiled_transforms():
     def f(q):
         return robot(q, qd, qdd)
 
-    for d in (lambda q: func.jvp(f, (q,), (qd,))[1], dual, func.jacfwd(f), func.jacrev(f), func.grad(lambda q: f(q).sum()),
-              func.hessian(lambda q: f(q).sum()), lambda q: func.vmap(func.grad(lambda *x: robot(*x).sum()))(q, qd, qdd)):
+    for d in (lambda q: func.jvp(f, (q,), (qd,))[1], dual, func.jacfwd(f), func.jacrev(f), func.jacrev(func.jacfwd(f)),
+              func.grad(lambda q: f(q).sum()), func.hessian(lambda q: f(q).sum()),
+              lambda q: func.vmap(func.grad(lambda *x: robot(*x).sum()))(q, qd, qdd)):
         torch.compiler.reset()
         right = d(q)
         assert right.abs().max() > 0 and near(torch.compile(d, fullgraph=True, backend=backend)(q), right)
@@ -382,6 +387,8 @@ def case_second():
         hessian = torch.func.hessian(loss)(x[0].detach()[0])
         assert near(hessian, hessian.T, 1e-11), options
         assert near(torch.autograd.functional.hessian(loss, x[0].detach()[0]), hessian, 1e-11), options
+        bent = torch.func.jacrev(torch.func.jacfwd(loss))(x[0].detach()[0])
+        assert near(bent, hessian, 1e-11), options
         refused(NotImplementedError, ["no third derivatives", "hessian", "differences"],
                 torch.func.jacfwd(torch.func.hessian(loss)), x[0].detach()[0])
     slides = load("gantry", want="qdd", fold={"qd": 0})  # linear in tau: its vjp does not vary
@@ -391,7 +398,8 @@ def case_second():
 
 
 def case_second_beside_free():
-    """Second derivatives by the state where what is free requires gradients too; those by it are refused once they are asked for."""
+    """Second derivatives by the state where what is free requires gradients too; by it, forward of gradients; others are refused
+    once they are asked for."""
     robot = load("double_pendulum", free=["mass.lower", "gravity"])
     x = [y.requires_grad_() for y in tensors(robot, 3)]
     q, mass = x[0], x[3]

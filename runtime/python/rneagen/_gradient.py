@@ -13,6 +13,8 @@ they are the output jvp of a third text, H d (--jvp vjp), by w they are products
     forward    vjp varies by H d + dw' J
     backward   with g the gradient by vjp, the loss varies by H' g with the state, by J g with w
 
+Backward of forward: with w the gradients of the loss by jvp, J d, the loss varies by H' d with the state, by J' w with d.
+
 H is symmetric but for rows of floating joints, whose twists do not commute: (H' g)_j = (H g)_j + vjp . [e_j, g], with Lie's
 bracket [(a, b), (c, d)] = (b x c + a x d, b x d) of twists (linear, angular).
 """
@@ -25,16 +27,19 @@ from . import _arrays
 from ._errors import RobotError
 
 PARTS = {"joint_position": 0, "joint_velocity": 1, "joint_acceleration": 2, "joint_torque": 2}  # of vjp and jvp_v
+PRODUCTS, DIRECTIONS = ("vjp", "jvp"), ("cotangent", "tangent")  # roles of outputs, and of what they are along
 FREED = ("gravity", "link_mass", "link_inertia", "link_payload", "joint_offset", "joint_armature", "joint_damping",
          "joint_friction", "armature", "damping", "friction")
-HAD = ("There are no third derivatives; second ones are those of gradients (grad, vjp, jacrev) by q, qd, qdd and tau: by these, as in "
-       "hessian, and forward, as in jacfwd(grad(f)), by what is free too; take differences of those for others")
-REFUSED = {"jvp": f"it is a derivative along a direction. {HAD}", "joint_acceleration_bound": "it is a bound"}  # by role
+HAD = ("There are no third derivatives; second ones are by q, qd, qdd and tau, where one of the two goes backward (grad, vjp, "
+       "jacrev), as in hessian, and of such gradients by what is free, forward, as in jacfwd(grad(f)); take differences of those "
+       "for others")
+REFUSED = {"jvp": f"has no such derivative: it is one along a direction. {HAD}",  # by role
+           "joint_acceleration_bound": "has no gradient: it is a bound"}
 
 
-# Names of derivatives: vjp_OF_BY, jvp_OF_BY_APART, second_BY_APART, along, apart_WORDS. Each part is places of words among
-# inputs, then outputs.
-DERIVATION = re.compile(r"(vjp|jvp|second|apart|along)(_(none|\d+(x\d+)*))*")
+# Names of derivatives: vjp_OF_BY, jvp_OF_BY_APART, second_BY_APART, along, across, apart_WORDS. Each part is places of words
+# among inputs, then outputs.
+DERIVATION = re.compile(r"(vjp|jvp|second|apart|along|across)(_(none|\d+(x\d+)*))*")
 
 
 class Library(NamedTuple):
@@ -64,7 +69,7 @@ class Gradients:
         see forward."""
         for a in of:
             if a.role in REFUSED:
-                raise NotImplementedError(f"{self.robot.name}: {a.word} has no gradient: {REFUSED[a.role]}")
+                raise self.refused(a)
         key = product, tuple(a.word for a in of), tuple(a.word for a in by if a.role not in PARTS), *([apart] if apart else [])
         if key not in self.made:
             words = [*key[1], "qdd"] if self.is_forward and "qdd" not in key[1] else [*key[1]]  # else tau would be no input
@@ -111,8 +116,8 @@ class Gradients:
         kind, *parts = derivation.split("_")
         arrays = (*self.robot.inputs, *self.robot.outputs)
         found = [[] if part == "none" else [arrays[int(i)] for i in part.split("x")] for part in parts]
-        if kind == "along":
-            return self.along_robot()
+        if kind in ("along", "across"):
+            return self.along_robot() if kind == "along" else self.across_robot()
         if kind == "apart":
             return self.robot_apart(tuple(a.word for a in found[0]))
         apart = tuple(a.word for part in found[(1 if kind == "second" else 2):] for a in part)
@@ -120,6 +125,9 @@ class Gradients:
 
     def lacking(self, what: str) -> NotImplementedError:
         return NotImplementedError(f"{self.robot.name}: {what}. {HAD}")
+
+    def refused(self, array) -> NotImplementedError:
+        return NotImplementedError(f"{self.robot.name}: {array.word} {REFUSED[array.role]}")
 
     def no_second(self, array) -> NotImplementedError:
         return self.lacking(f"no second derivatives by {array.word}")
@@ -146,9 +154,11 @@ class Gradients:
         if not of or not needed:
             return [None] * len(inputs)
         given = {a.word: x for a, x in zip(inputs, arrays)}
-        first, second = [x for x in of if x[0].role != "vjp"], [x for x in of if x[0].role == "vjp"]
-        found = [self.products(first, [a for a in needed if a.role != "cotangent"], given)] if first else []
-        found += [self.second(x, needed, given) for x in second]
+        first = [x for x in of if x[0].role not in PRODUCTS]
+        second, along = ([x for x in of if x[0].role == role] for role in PRODUCTS)
+        found = [self.products(first, [a for a in needed if a.role not in DIRECTIONS], given)] if first else []
+        found += [self.second(x, [a for a in needed if a.role != "tangent"], given) for x in second]
+        found += [self.across(x, needed, given) for x in along]
         return [self.total([self.pick(a, f, given, apart) for f in found]) if need else None for a, need in zip(inputs, needs)]
 
     @staticmethod
@@ -207,6 +217,35 @@ class Gradients:
             made = self.robot._with(want=None, jvp=words, vjp=None, by=None, sparse=None)
             self.made["along"] = self.named(made, ("along",))
         return self.made["along"]
+
+    def across(self, of: tuple, needed: Sequence, given: dict[str, Any]) -> dict[str, Any]:
+        """What the gradient w by jvp makes of the state, and of the directions."""
+        a, w = of
+        if "vjp" in a.of.split(","):
+            raise self.refused(a)
+        for other in needed:
+            if other.role not in (*PARTS, *DIRECTIONS):
+                raise self.no_second(other)
+        robot = self.across_robot()
+        made = self.run(robot, {**given, "vjp_v": w}, tuple(w.shape[:len(w.shape) - 1]), w)
+        bent = self.transposed(made["jvp"], made["vjp"], given["jvp_v"]) if "jvp" in made else 0 * made["vjp"]
+        along = {f"vjp.{x.word}": made[f"vjp{x.word[5:]}"] for x in needed if x.role == "tangent"}
+        return {"vjp": bent, **along}
+
+    def across_robot(self):
+        """The products of what its jvp is of, with weights, and how they vary along its directions, if they do."""
+        if "across" not in self.made:
+            jvp = next(a for a in self.robot.outputs if a.role == "jvp")
+            words = self.robot._options.get("jvp") or jvp.of or ("qdd" if self.is_forward else "tau")
+            options = {"want": None, "vjp": words, "sparse": None}
+            try:
+                made = self.robot._with(**options, jvp=["vjp"])
+            except RobotError as error:
+                if "'vjp' does not vary" not in str(error):
+                    raise
+                made = self.robot._with(**options, jvp=None)
+            self.made["across"] = self.named(made, ("across",))
+        return self.made["across"]
 
     def transposed(self, product, vjp, g):
         """H' g from H g."""

@@ -244,11 +244,15 @@ ad.primitive_transposes[tangent_p] = transpose
 
 
 def differentiate_tangent(args, tangents, *, operator, of, given):
-    """They are linear in tangents; of the inputs they would be second derivatives."""
-    robot, count = operator.robot, len(operator.robot.inputs)
+    """They are linear in tangents; by the inputs they vary as the text does that computes them."""
+    count = len(operator.robot.inputs)
     if any(type(d) is not ad.Zero for d in tangents[:count]):
-        names = ", ".join(robot.outputs[i].name for i in of)
-        raise operator.gradients.lacking(f"no derivatives of one of {names} along a direction")
+        moved = [i for i, d in enumerate(tangents) if type(d) is not ad.Zero]
+
+        def function(*some):
+            every = dict(enumerate(args)) | dict(zip(moved, some))
+            return compute(*every.values(), operator=operator, of=of, given=given)
+        return jax.jvp(function, [args[i] for i in moved], [tangents[i] for i in moved])
     values = tangent_p.bind(*args, operator=operator, of=of, given=given)
     among: list[Any] = [ad.Zero.from_primal_value(x) for x in args[:count]]
     for i, d in zip(given, tangents[count:]):

@@ -46,9 +46,9 @@ class Gradients(_gradient.Gradients):
             join=lambda parts: torch.cat(parts, -1), cross=torch.linalg.cross))
 
     def guarded(self, tensors: Sequence[Tensor | None]) -> list[Tensor | None]:
-        """Of a robot that has the output vjp: autograd asks for gradients by all that require one, though one may be wanted of
+        """Of a robot of products: autograd asks for gradients by all that require one, though one may be wanted of
         the state alone."""
-        return [x if x is None or not x.requires_grad or a.role in (*_gradient.PARTS, "cotangent") else
+        return [x if x is None or not x.requires_grad or a.role in (*_gradient.PARTS, *_gradient.DIRECTIONS) else
                 Without.apply(x, self.no_second(a)) for a, x in zip(self.robot.inputs, tensors)]
 
     def keep(self, ctx, inputs: tuple, output: Any) -> None:

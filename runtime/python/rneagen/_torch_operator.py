@@ -7,7 +7,7 @@ import torch
 from torch import Tensor
 from torch.autograd import forward_ad
 
-from . import _arrays, _robot, _torch_gradient
+from . import _arrays, _gradient, _robot, _torch_gradient
 
 SCALARS = {torch.float32: "f32", torch.float64: "f64"}
 DEVICES = ("cpu", "cuda", "meta")
@@ -27,7 +27,7 @@ class Operator:
         self.inputs, self.outputs = robot.inputs, robot.outputs
         self.tails = [(a.shape, a.per_batch) for a in self.inputs]
         self.several = len(self.outputs) > 1
-        self.is_product = all(a.role == "vjp" for a in self.outputs)
+        self.is_product = all(a.role in _gradient.PRODUCTS for a in self.outputs)
         self.plans: dict[tuple, Plan] = {}  # by shape, dtype and device of the first tensor: what all others are then
         self.defaults: dict[tuple, Tensor] = {}  # inputs that were left out
         self.gradients = _torch_gradient.Gradients(robot, function_for)

@@ -12,10 +12,10 @@ XLA calls the text by its foreign function interface: on a processor with the th
 on a GPU in XLA's own stream. It cannot divide a call among devices: a bare call gathers inputs that are sharded, and
 each device computes all of them. Inside jax.shard_map each computes its own.
 
-Derivatives are of all outputs but qdd_bound and products, which raise NotImplementedError when they are
-differentiated; by q, qd, qdd or tau, what free= names, and wrenches of fext=. Those of several outputs are made in one
-sweep. Second ones are by the state: jax.hessian, or jax.jvp of jax.grad, which may be by what is free too; not those of jax.jvp.
-Derivatives by a quaternion are those of the function on unit quaternions: the part along the quaternion is left out.
+Derivatives are of all outputs but qdd_bound, which raises NotImplementedError when it is differentiated; by q, qd, qdd or
+tau, what free= names, and wrenches of fext=. Those of several outputs are made in one sweep. Second ones are by the state:
+jax.hessian, jax.grad of jax.jvp, or jax.jvp of jax.grad, which may be by what is free too. Derivatives by a quaternion
+are those of the function on unit quaternions: the part along the quaternion is left out.
 """
 from __future__ import annotations
 

@@ -7,10 +7,11 @@ Each robot is an operator of torch.library, named rneagen::ROBOT_HASH after its 
 keeps its graph in one piece, and torch.func.vmap, grad and jacrev work. Import this module before torch.compile sees
 a robot, unless PyTorch was there when the robot was loaded.
 
-Gradients are of all outputs but qdd_bound and products, which raise NotImplementedError when they are differentiated;
-by q, qd, qdd or tau, what free= names, and wrenches of fext=. Those of several outputs are made in one sweep. Forward,
-torch.func.jvp, jacfwd and torch.autograd.forward_ad have them too. Second ones are by the state: torch.func.hessian,
-and gradients with create_graph=True; of gradients by the state there are those by what is free, forward. Where autocast is on, tensors of float16 and bfloat16 are taken as float32.
+Gradients are of all outputs but qdd_bound, which raises NotImplementedError when it is differentiated; by q, qd, qdd or tau,
+what free= names, and wrenches of fext=. Those of several outputs are made in one sweep. Forward, torch.func.jvp, jacfwd and
+torch.autograd.forward_ad have them too. Second ones are by the state: torch.func.hessian, gradients with create_graph=True,
+jacrev of jacfwd; of gradients by the state there are those by what is free, forward. Where autocast is on, tensors of
+float16 and bfloat16 are taken as float32.
 
 The gradient by a quaternion is that of the function on unit quaternions: its part along the quaternion is zero. Where
 q is not made unit outside, q / |q| belongs before the call, and then all is as torch.autograd.gradcheck has it. Other
