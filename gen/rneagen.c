@@ -330,8 +330,11 @@ static enum rneagen_code generate(struct generation *g)
 {
 	enum rneagen_code code = RNEAGEN_OK;
 
-	for (int i = 0; i < STEPS && !code; i++)
+	for (int i = 0; i < STEPS && !code; i++) {
+		if (g->analysis.options.progress)
+			g->analysis.options.progress(g->analysis.options.progress_context, PASSES[i].makes);
 		code = PASSES[i].analyse ? PASSES[i].analyse(&g->analysis) : PASSES[i].generate(g);
+	}
 	analysis_free_raw(&g->analysis);
 	arena_free(&g->raw_arena);
 	return code ? code : dump(g);

@@ -77,6 +77,9 @@ struct rneagen_options {
 	enum rneagen_dump dump;
 	unsigned tell; /* which of rneagen_tell are wanted, added; default none: they may take longer to make than the text */
 	const struct rneagen_allocator *allocator; /* NULL: malloc and free */
+	/* Called before each pass: what it makes, "expressions of the outputs" for one; NULL: nobody is told */
+	void (*progress)(void *context, const char *makes);
+	void *progress_context;
 };
 
 /* What was generated; every string is NUL-terminated and owned by the struct (rneagen_result_free). */

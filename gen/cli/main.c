@@ -3,6 +3,7 @@
 #include "cli/files.h"
 #include "cli/options.h"
 #include "cli/pending.h"
+#include "cli/waiting.h"
 #include "emit/target_type.h"
 #include <signal.h>
 #include <stdio.h>
@@ -53,7 +54,7 @@ static const char HELP[] =
 	"  --dot                      print the tree as a graph for Graphviz, with masses and rows in q (with -o: besides)\n"
 	"  --dump robot|scene|tree|params|request|dag|plan|parts|segments|limbs|passes\n"
 	"                             print what a pass of the pipeline has made instead; passes: their list\n"
-	"  --quiet                    no warnings\n"
+	"  --quiet                    neither progress nor warnings\n"
 	"  --help, --version\n"
 	"\n"
 	"exit status: 0 done, 1 the robot or a file is at fault, 2 the command line is\n";
@@ -257,16 +258,27 @@ static int run(const struct command *c)
 	struct rneagen_error e = {0};
 	struct rneagen_result r;
 	struct file_content urdf = {0};
+	struct waiting waiting;
 	int bad;
 
 	o.tell = told[c->info];
-	bad = file_read(c->input, &urdf, &e) || rneagen_generate(urdf.bytes, urdf.length, &o, &r, &e);
+	o.progress = waiting_for;
+	o.progress_context = &waiting;
+	bad = file_read(c->input, &urdf, &e);
+	if (bad)
+		return fail(&e);
+	waiting_begin(&waiting, COMMAND, c->quiet);
+	bad = rneagen_generate(urdf.bytes, urdf.length, &o, &r, &e);
+	waiting_for(&waiting, NULL);
 	if (!bad) {
 		for (size_t i = 0; i < r.warning_count && !c->quiet && (c->info == INFO_NONE || c->info == INFO_DOT); i++)
 			fprintf(stderr, "rneagen: warning: %s\n", r.warnings[i]);
+		if (c->output && !pending_is_in_place(c->output)) /* who pages through a pipe is not disturbed */
+			waiting_for(&waiting, "writing");
 		bad = write_results(c, &r, &e);
 		rneagen_result_free(&r);
 	}
+	waiting_end(&waiting);
 	free(urdf.bytes);
 	return bad ? fail(&e) : 0;
 }

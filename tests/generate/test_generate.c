@@ -359,6 +359,36 @@ START_TEST(fast_without_a_unit_is_bounded)
 }
 END_TEST
 
+static void note_pass(void *context, const char *makes)
+{
+	text_printf(context, "%s\n", makes);
+}
+
+/* Who waits is told of every pass, in the order of --dump passes. */
+START_TEST(passes_are_told)
+{
+	struct random_robot_knobs knobs = random_robot_knobs(3, LINKS);
+	char *urdf = random_robot(3, &knobs);
+	struct rneagen_options o = rneagen_options_default();
+	struct rneagen_result r;
+	struct text told;
+	const char *s;
+	int passes = 0;
+
+	text_init(&told, &arena);
+	o.dump = RNEAGEN_DUMP_PASSES;
+	o.progress = note_pass;
+	o.progress_context = &told;
+	r = generated(urdf, &o);
+	s = text_string(&told);
+	for (const char *line = r.dump; *line; line = strchr(line, '\n') + 1, s = strchr(s, '\n') + 1, passes++)
+		ck_assert_msg(!strncmp(line + 17, s, strcspn(s, "\n")), "told '%s', listed '%s'", s, line);
+	ck_assert(!*s && passes > 15);
+	rneagen_result_free(&r);
+	free(urdf);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("generate");
@@ -374,6 +404,7 @@ int main(void)
 	tcase_add_test(c, numbers_are_short);
 	tcase_add_test(c, same_in_every_locale);
 	tcase_add_test(c, fast_without_a_unit_is_bounded);
+	tcase_add_test(c, passes_are_told);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }
