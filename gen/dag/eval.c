@@ -288,14 +288,14 @@ static struct eval_model with_own(const struct eval_model *m)
 	return both;
 }
 
-/* Rounding on the way to memory; nothing is known of what is too large for it. */
+/* Rounding on the way to memory; nothing is known of what is too large for it, and what is 0 for certain stays 0. */
 static double stored_bound(const struct eval_model *m, double value, double bound)
 {
 	double most = fabs(value) + bound;
 
 	if (!(most <= m->store_largest))
 		return (double)INFINITY;
-	return m->store > 0 ? bound_closed(bound + rounding_of_result(m, m->store, (struct known){value, bound}) + m->store_tiny)
+	return m->store > 0 && most > 0 ? bound_closed(bound + rounding_of_result(m, m->store, (struct known){value, bound}) + m->store_tiny)
 			    : bound;
 }
 

@@ -121,8 +121,9 @@ void worst_evaluate(const struct dag *d, const struct eval_model *m, struct rng 
 		v[i] = worst_node(d, &d->nodes[i], m, pairs, rng, in, v);
 	for (size_t i = 0; i < d->output_count; i++) {
 		const struct output *o = &d->outputs[i];
+		const __float128 x = v[o->value.i];
 
-		out[o->argument][o->row] = (double)off(rng, v[o->value.i], m->store, m->store_tiny);
+		out[o->argument][o->row] = x == 0 ? 0 : (double)off(rng, x, m->store, m->store_tiny); /* what is 0 is stored as 0 */
 	}
 	free(v);
 }
