@@ -34,9 +34,9 @@ static enum role role_of(const struct splitter *s, const struct node *n)
 	return s->d->arguments[n->arg[0].i].role;
 }
 
-static enum rneagen_code refuse(const struct splitter *s, const char *no, const char *what)
+static enum rneagen_code refuse(const struct splitter *s, const char *what)
 {
-	return error_set(s->e, RNEAGEN_UNSUPPORTED, "%s: prove knows torques, gravity, bias and M, %s%s", s->x->options.file, no, what);
+	return error_set(s->e, RNEAGEN_UNSUPPORTED, "%s: prove knows torques, gravity, bias and M, %s", s->x->options.file, what);
 }
 
 /* ---- what is known of each node ---- */
@@ -135,9 +135,9 @@ static enum rneagen_code check_node(const struct splitter *s, const struct node 
 	int is_angle = n->op == OP_SIN || n->op == OP_COS;
 
 	if (n->op == OP_DIV || n->op == OP_SQRT || n->op == OP_ABS || n->op == OP_WIDEN || n->op == OP_NARROW)
-		return refuse(s, "", "without refinement");
+		return refuse(s, "without roots and quotients");
 	if (is_angle && (s->d->nodes[n->arg[0].i].op != OP_INPUT || role_of(s, &s->d->nodes[n->arg[0].i]) != ROLE_JOINT_POSITION))
-		return refuse(s, "", "where each angle is a joint's or a multiple of it");
+		return refuse(s, "where each angle is a joint's or a multiple of it");
 	if (n->op == OP_INPUT && role_of(s, n) == ROLE_JOINT_POSITION && s->bit_count == FIELD_DIMS && !s->bit[n->arg[1].i])
 		return error_set(s->e, RNEAGEN_LIMIT, "%s: rnearun prove takes at most %d positions", s->x->options.file, FIELD_DIMS);
 	return RNEAGEN_OK;
@@ -146,16 +146,10 @@ static enum rneagen_code check_node(const struct splitter *s, const struct node 
 static enum rneagen_code check_outputs(const struct splitter *s)
 {
 	if (adjust_is_asked(&s->x->adjust))
-		return refuse(s, "", "of the robot as its file states it: leave out what changes constants");
-	for (size_t i = 0; i < s->d->output_count; i++) {
-		const struct argument *a = &s->d->arguments[s->d->outputs[i].argument];
-
-		if (a->role != ROLE_JOINT_TORQUE && a->role != ROLE_GRAVITY_TORQUE &&
-			a->role != ROLE_BIAS_TORQUE && a->role != ROLE_MASS_MATRIX)
-			return refuse(s, "not ", a->name);
+		return refuse(s, "of the robot as its file states it: leave out what changes constants");
+	for (size_t i = 0; i < s->d->output_count; i++)
 		if (s->marks[s->d->outputs[i].value.i].orders > 7)
-			return refuse(s, "", "where no product is of more than two rates, or of an input and an acceleration");
-	}
+			return refuse(s, "where no product is of more than two rates, or of an input and an acceleration");
 	return RNEAGEN_OK;
 }
 

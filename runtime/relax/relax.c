@@ -242,6 +242,27 @@ static enum rneagen_code keep_all(struct relaxing *s)
 	return s->a->failed ? error_memory(s->e) : RNEAGEN_OK;
 }
 
+/* A friction that is free is no more than a quotient to whoever comes after. */
+static enum rneagen_code check_text(const struct dag *d, const uint32_t *uses, const char *file, struct rneagen_error *e)
+{
+	for (size_t i = 0; i < d->output_count; i++) {
+		const struct argument *a = &d->arguments[d->outputs[i].argument];
+
+		if (a->role != ROLE_JOINT_TORQUE && a->role != ROLE_GRAVITY_TORQUE && a->role != ROLE_BIAS_TORQUE &&
+			a->role != ROLE_MASS_MATRIX)
+			return error_set(e, RNEAGEN_UNSUPPORTED, "%s: prove knows torques, gravity, bias and M, not %s", file, a->name);
+	}
+	for (uint32_t i = 1; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+		const struct argument *a = &d->arguments[n->op == OP_INPUT && n->arg[0].i < DAG_ARGUMENTS ? n->arg[0].i : 0];
+
+		if (uses[i] && n->op == OP_INPUT && (a->role == ROLE_FRICTION || a->role == ROLE_JOINT_FRICTION))
+			return error_set(e, RNEAGEN_UNSUPPORTED,
+				"%s: prove knows the URDF's friction (--friction), not %s that is free", file, a->name);
+	}
+	return RNEAGEN_OK;
+}
+
 enum rneagen_code relax(struct relaxed *r, const struct analysis *text, struct interval *const *given, struct arena *a,
 	struct rneagen_error *e)
 {
@@ -254,6 +275,8 @@ enum rneagen_code relax(struct relaxed *r, const struct analysis *text, struct i
 	if (a->failed)
 		return error_memory(e);
 	dag_uses(s.d, s.uses);
+	if (check_text(s.d, s.uses, text->options.file, e))
+		return e->code;
 	s.position = dag_find_role(s.d, ROLE_JOINT_POSITION, 0);
 	plain_ranges(s.plain, s.d, given, s.uses);
 	if (!(s.seen = relax_see(s.d, &text->tree, s.uses, a)))
