@@ -1,6 +1,7 @@
 #define _POSIX_C_SOURCE 200809L
 #include "rnearun/command.h"
 #include "cli/pending.h"
+#include "cli/waiting.h"
 #include <errno.h>
 #include <limits.h>
 #include <stdio.h>
@@ -202,11 +203,17 @@ int command_generate(const struct command *c, const struct file_content *urdf, s
 {
 	struct rneagen_options o = named_options(c);
 	struct rneagen_error e = {0};
+	struct waiting waiting;
 
 	o.tell = 0;
 	if (is_for_host(c))
 		o.target = RNEAGEN_TARGET_C;
-	if (rneagen_generate(urdf->bytes, urdf->length, &o, text, &e))
+	o.progress = waiting_for;
+	o.progress_context = &waiting;
+	waiting_begin(&waiting, c->name, c->quiet);
+	rneagen_generate(urdf->bytes, urdf->length, &o, text, &e);
+	waiting_end(&waiting);
+	if (e.code)
 		return fail_generator(c, &e);
 	for (size_t i = 0; i < text->warning_count && !c->quiet; i++)
 		fprintf(stderr, "%s: warning: %s\n", c->name, text->warnings[i]);
@@ -216,8 +223,13 @@ int command_generate(const struct command *c, const struct file_content *urdf, s
 int command_open(const struct command *c, const char *text, struct rnea_robot **robot)
 {
 	struct rnea_error error;
+	struct waiting waiting;
 
-	if (rnea_open(text, strlen(text), &c->open, robot, &error))
+	waiting_begin(&waiting, c->name, c->quiet);
+	waiting_for(&waiting, "compiling");
+	rnea_open(text, strlen(text), &c->open, robot, &error);
+	waiting_end(&waiting);
+	if (error.code)
 		return command_fail(c, error.message);
 	if (!c->quiet && isatty(STDERR_FILENO))
 		tell(c, rnea_build(*robot));
