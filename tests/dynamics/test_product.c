@@ -1,7 +1,7 @@
 /* jvp and vjp of sets of outputs: a wrong derivative of any output, by the state or by what is free or pushes, a row in the wrong
-   place, a qdd found that stands still. Against differences of the outputs themselves, of a text without products, in extended
-   precision, in drawn scenes of random trees and of robots of this folder; and vjp is jvp transposed. Second derivatives, the jvp
-   of the vjp, against differences of the vjp. */
+   place, a qdd found that stands still, a given tau that does. Against differences of the outputs themselves, of a text without
+   products, in extended precision, in drawn scenes of random trees and of robots of this folder; and vjp is jvp transposed. Second
+   derivatives, the jvp of the vjp, against differences of the vjp. */
 #include "product_case.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
@@ -261,11 +261,56 @@ START_TEST(robots)
 }
 END_TEST
 
+/* The products of qdd and of what follows it, in numbers of the row's; a tau that is given has its own value. */
+static void products_with(const char *fold, const char *urdf, double *jvp, double *vjp)
+{
+	static const double angle[] = {0.3, -0.7}, rate[] = {0.4, 1.1}, torque[] = {1.5, 0.5}, along[] = {0.2, -1, 0.7, 0.3, -0.6, 0.9},
+		weights[] = {1, -0.4, 0.8};
+	struct rneagen_options o = rneagen_options_default();
+	const double *in[DAG_ARGUMENTS] = {NULL};
+	double qdd[2], *out[DAG_ARGUMENTS] = {NULL};
+	struct scene_model m;
+	char scene[128] = "";
+
+	say(scene, sizeof scene, "want qdd\njvp qdd,power\nvjp qdd,power\n%s", fold);
+	o.scene = scene;
+	ck_assert_msg(!scene_open(&m, urdf, &o), "%s: %s", fold, m.error.message);
+	for (int i = 0; i < m.dag.argument_count; i++) {
+		const struct argument *a = &m.dag.arguments[i];
+
+		in[i] = a->role == ROLE_JOINT_POSITION ? angle : a->role == ROLE_JOINT_VELOCITY ? rate
+			: a->role == ROLE_TANGENT ? along : a->role == ROLE_COTANGENT ? weights : torque;
+		out[i] = a->role == ROLE_JVP ? jvp : a->role == ROLE_VJP ? vjp : qdd;
+	}
+	ck_assert(eval_f64(&m.dag, in, out, NULL));
+	scene_close(&m);
+}
+
+/* tau varies in all its rows, given or not. */
+START_TEST(given_torques)
+{
+	static const char *const folds[] = {"fold tau.elbow=0.5", "fold tau.shoulder=1.5\nfold tau.elbow=0.5"};
+	char *urdf = robot_text("double_pendulum");
+	double jvp[3], vjp[6], given_jvp[3], given_vjp[6];
+
+	products_with("", urdf, jvp, vjp);
+	for (int k = 0; k < 2; k++) {
+		products_with(folds[k], urdf, given_jvp, given_vjp);
+		for (int i = 0; i < 3; i++)
+			ck_assert_msg(fabs(jvp[i] - given_jvp[i]) <= 1e-12, "%s: jvp %d is %g, not %g", folds[k], i, given_jvp[i], jvp[i]);
+		for (int i = 0; i < 6; i++)
+			ck_assert_msg(fabs(vjp[i] - given_vjp[i]) <= 1e-12, "%s: vjp %d is %g, not %g", folds[k], i, given_vjp[i], vjp[i]);
+	}
+	free(urdf);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *s = suite_create("product");
 
 	suite_add(s, "trees", trees, TREES, 60);
 	suite_add(s, "robots", robots, ROBOT_COUNT, 60);
+	suite_add(s, "given torques", given_torques, 1, 10);
 	return suite_run(s);
 }
