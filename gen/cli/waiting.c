@@ -1,5 +1,6 @@
 #define _POSIX_C_SOURCE 200809L
 #include "cli/waiting.h"
+#include <signal.h>
 #include <stdio.h>
 #include <time.h>
 #include <unistd.h>
@@ -57,6 +58,7 @@ static void *tell(void *context)
 void waiting_begin(struct waiting *w, const char *command, int quiet)
 {
 	pthread_condattr_t clock;
+	sigset_t all, before;
 
 	*w = (struct waiting){.command = command, .doing = "the URDF", .is_terminal = isatty(STDERR_FILENO)};
 	if (quiet)
@@ -66,7 +68,10 @@ void waiting_begin(struct waiting *w, const char *command, int quiet)
 	pthread_mutex_init(&w->mutex, NULL);
 	pthread_cond_init(&w->over, &clock);
 	pthread_condattr_destroy(&clock);
+	sigfillset(&all); /* whoever writes files keeps signals off, but only in a thread of its own */
+	pthread_sigmask(SIG_SETMASK, &all, &before);
 	w->is_begun = !pthread_create(&w->thread, NULL, tell, w);
+	pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
 void waiting_for(void *context, const char *doing)
