@@ -236,10 +236,16 @@ static int check_files(struct command *c)
 	return e.code ? fail(&e) : status;
 }
 
-/* What goes to standard output, what to files. */
-static int write_results(const struct command *c, const struct rneagen_result *r, struct rneagen_error *e)
+/* What goes to files, and to standard output, where nothing is told meanwhile: it may be the same terminal. */
+static int write_results(const struct command *c, const struct rneagen_result *r, struct waiting *w, struct rneagen_error *e)
 {
-	if (c->output && file_write_pair(c->output, r->source, r->header, e))
+	int bad;
+
+	if (c->output && !pending_is_in_place(c->output)) /* who pages through a pipe is not disturbed */
+		waiting_for(w, "writing");
+	bad = c->output && file_write_pair(c->output, r->source, r->header, e);
+	waiting_for(w, NULL);
+	if (bad)
 		return 1;
 	if (r->dump)
 		return file_put_stdout_error(r->dump, e) != RNEAGEN_OK;
@@ -273,9 +279,7 @@ static int run(const struct command *c)
 	if (!bad) {
 		for (size_t i = 0; i < r.warning_count && !c->quiet && (c->info == INFO_NONE || c->info == INFO_DOT); i++)
 			fprintf(stderr, "rneagen: warning: %s\n", r.warnings[i]);
-		if (c->output && !pending_is_in_place(c->output)) /* who pages through a pipe is not disturbed */
-			waiting_for(&waiting, "writing");
-		bad = write_results(c, &r, &e);
+		bad = write_results(c, &r, &waiting, &e);
 		rneagen_result_free(&r);
 	}
 	waiting_end(&waiting);
