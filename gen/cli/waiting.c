@@ -68,7 +68,7 @@ void waiting_begin(struct waiting *w, const char *command, int quiet)
 	pthread_mutex_init(&w->mutex, NULL);
 	pthread_cond_init(&w->over, &clock);
 	pthread_condattr_destroy(&clock);
-	sigfillset(&all); /* whoever writes files keeps signals off, but only in a thread of its own */
+	sigfillset(&all); /* who writes files blocks signals in one thread; this one would take them */
 	pthread_sigmask(SIG_SETMASK, &all, &before);
 	w->is_begun = !pthread_create(&w->thread, NULL, tell, w);
 	pthread_sigmask(SIG_SETMASK, &before, NULL);
@@ -96,6 +96,8 @@ void waiting_end(struct waiting *w)
 	pthread_cond_signal(&w->over);
 	pthread_mutex_unlock(&w->mutex);
 	pthread_join(w->thread, NULL);
+	pthread_cond_destroy(&w->over);
+	pthread_mutex_destroy(&w->mutex);
 	clear(w);
 	w->is_begun = 0;
 }

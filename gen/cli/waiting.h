@@ -1,8 +1,8 @@
 #ifndef RNEAGEN_WAITING_H
 #define RNEAGEN_WAITING_H
 /* What a command that takes long tells on standard error: what it makes now, and for how long it has run. On a terminal one
-   line that changes, from two seconds on; else a line after 5 seconds, and after a tenth of what has passed. A thread of
-   its own tells it, for a pass may take minutes. */
+   line that changes, from two seconds on; else a line every five seconds, and later whenever a tenth of what had passed has
+   passed again. A thread of its own tells it, for a pass may take minutes. */
 
 #include <pthread.h>
 
