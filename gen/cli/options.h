@@ -71,8 +71,8 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"                             dqdd_dNAME\n"                                                                \
 	"  --jvp N1,N2,...            derivatives of any of these outputs, one after another, times the input jvp_v;\n" \
 	"                             --jvp vjp: second derivatives, those of --vjp times jvp_v\n"                    \
-	"  --vjp N1,N2,...            the input vjp_v times their derivatives; in both, inputs that --fold gives stand still, but for\n" \
-	"                             tau of qdd, which varies in all its rows, given or not\n"                       \
+	"  --vjp N1,N2,...            the input vjp_v times their derivatives; in both, inputs that --fold gives stand still,\n" \
+	"                             but for tau of qdd, which varies in all its rows, given or not\n"               \
 	"  --by N1,N2,...             jvp and vjp by these inputs too, which --free or --fext names: payload.LINK, fext.LINK\n" \
 	"  --dense                    matrices with the zeros of joints on different branches, M whole\n"             \
 	"  --derivatives forward|recursion\n"                                                                         \

@@ -295,8 +295,8 @@ static double stored_bound(const struct eval_model *m, double value, double boun
 
 	if (!(most <= m->store_largest))
 		return (double)INFINITY;
-	return m->store > 0 && most > 0 ? bound_closed(bound + rounding_of_result(m, m->store, (struct known){value, bound}) + m->store_tiny)
-			    : bound;
+	return m->store == 0 || most == 0 ? bound
+		: bound_closed(bound + rounding_of_result(m, m->store, (struct known){value, bound}) + m->store_tiny);
 }
 
 /* No less than they are already. */

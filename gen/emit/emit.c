@@ -228,7 +228,8 @@ static void put_lanes(const struct emission *e, struct text *out)
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->arithmetic->type}, {"WIDTH", is_two ? "two" : "four"},
 		{"ROOM", is_two && !is_f32 ? "2" : "4"}, {"EACH", is_two ? "a, b" : "a, b, c, d"},
 		{"FILLED", !is_two ? "a, b, c, d" : is_f32 ? "a, b, a, b" : "a, b"}, {"SAME", is_two ? "a, a" : "a, a, a, a"},
-		{"NEEDS", lanes_need(e)}, {"ARM", are_16_bytes ? "defined __aarch64__" : "defined __aarch64__ && !defined __STRICT_ANSI__"},
+		{"NEEDS", lanes_need(e)},
+		{"ARM", are_16_bytes ? "defined __aarch64__" : "defined __aarch64__ && !defined __STRICT_ANSI__"},
 		{"SUFFIX", is_f32 ? "ps" : is_two ? "pd" : "pd256"}};
 
 	template_expand(out, template_lanes_in, slots, sizeof slots / sizeof *slots);

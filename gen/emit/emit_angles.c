@@ -295,13 +295,15 @@ const char *emit_sines(const struct emission *e)
 static const char *body_call(const struct emission *e, const struct function *p, const char *indent, const char *arguments,
 	const char *stride, const char *more)
 {
-	return text_format(e->arena, "%s%s_%s_body(%s, %s%s);\n", indent, e->options->name, p->algorithm->name, arguments, stride, more);
+	return text_format(e->arena, "%s%s_%s_body(%s, %s%s);\n", indent, e->options->name, p->algorithm->name, arguments, stride,
+		more);
 }
 
 /* And what a part is given beside it. */
 static const char *stride_text(const struct emission *e, const struct function *p, const struct call *c)
 {
-	return text_format(e->arena, "%s%s", c->stride, emit_more(e, p, c->is_staged, c->is_tiled ? c->q_stride : c->stride, c->handed));
+	return text_format(e->arena, "%s%s", c->stride,
+		emit_more(e, p, c->is_staged, c->is_tiled ? c->q_stride : c->stride, c->handed));
 }
 
 /* Where outputs take the places of angles that the other threads of a sample ask for. */

@@ -361,7 +361,8 @@ void emit_segments_one(const struct emission *e, const struct function *p, struc
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"MANY", emit_has_batches(e) ? many_functions(e, emit_many_of(p)) : ""}, {"FUNCTIONS", one_text(e, p, put_one_functions)},
-		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)}, {"ONE_BODY", one_text(e, p, put_one_body)}};
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"KNOWN_PARAM", emit_known_params(e)},
+		{"ONE_BODY", one_text(e, p, put_one_body)}};
 
 	text_put(out, emit_lanes_instead(e, p) ? EMIT_UNLESS_LANES : "");
 	template_expand(out, template_segments_one_in, slots, sizeof slots / sizeof *slots);

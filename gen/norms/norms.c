@@ -297,8 +297,8 @@ static int node_is_wide(const struct norms *x, const struct node *n)
 
 static int set_is_wide(const struct norms *x, const struct norms_set *s)
 {
-	int found = form_is_wide(x, s->form) || (s->one && x->is_wide_set[s->one - 1]) || (s->other && x->is_wide_set[s->other - 1]) ||
-		(s->rest && x->is_wide_set[s->rest - 1]);
+	int found = form_is_wide(x, s->form) || (s->one && x->is_wide_set[s->one - 1]) ||
+		(s->other && x->is_wide_set[s->other - 1]) || (s->rest && x->is_wide_set[s->rest - 1]);
 
 	for (int k = 0; k < s->count; k++)
 		found |= x->is_wide[s->nodes[k]];

@@ -1,7 +1,7 @@
 /* jvp and vjp of sets of outputs: a wrong derivative of any output, by the state or by what is free or pushes, a row in the wrong
    place, a qdd found that stands still, a given tau that does. Against differences of the outputs themselves, of a text without
-   products, in extended precision, in drawn scenes of random trees and of robots of this folder; and vjp is jvp transposed. Second
-   derivatives, the jvp of the vjp, against differences of the vjp. */
+   products, in extended precision, in drawn scenes of random trees and of robots of this folder; and vjp is jvp transposed.
+   Second derivatives, the jvp of the vjp, against differences of the vjp. */
 #include "product_case.h"
 #include "support/exhaustive.h"
 #include "support/suite.h"
@@ -264,8 +264,8 @@ END_TEST
 /* The products of qdd and of what follows it, in numbers of the row's; a tau that is given has its own value. */
 static void products_with(const char *fold, const char *urdf, double *jvp, double *vjp)
 {
-	static const double angle[] = {0.3, -0.7}, rate[] = {0.4, 1.1}, torque[] = {1.5, 0.5}, along[] = {0.2, -1, 0.7, 0.3, -0.6, 0.9},
-		weights[] = {1, -0.4, 0.8};
+	static const double angle[] = {0.3, -0.7}, rate[] = {0.4, 1.1}, torque[] = {1.5, 0.5},
+		along[] = {0.2, -1, 0.7, 0.3, -0.6, 0.9}, weights[] = {1, -0.4, 0.8};
 	struct rneagen_options o = rneagen_options_default();
 	const double *in[DAG_ARGUMENTS] = {NULL};
 	double qdd[2], *out[DAG_ARGUMENTS] = {NULL};

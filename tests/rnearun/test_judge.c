@@ -209,7 +209,8 @@ START_TEST(test_zero)
 }
 END_TEST
 
-/* Where all torques are 0 for all states each variant is exact, and so are bounds: what is 0 does not underflow when mixed stores it. */
+/* Where all torques are 0 for all states each variant is exact, and so are bounds: what is 0 does not underflow when mixed
+   stores it. */
 START_TEST(test_all_zero)
 {
 	static const enum rneagen_precision precisions[] = {RNEAGEN_F32, RNEAGEN_F64, RNEAGEN_MIXED};

@@ -231,7 +231,8 @@ static const char *loops_text(const struct emission *e)
 
 static const char *solve_call(const struct emission *e)
 {
-	const char *arguments = text_format(e->arena, "%s, across, RNEA_SOLVE_SAMPLES", emit_params(e, solve_of(e), PARAMS_AT_SAMPLE));
+	const char *arguments = text_format(e->arena, "%s, across, RNEA_SOLVE_SAMPLES",
+		emit_params(e, solve_of(e), PARAMS_AT_SAMPLE));
 	const struct call c = {.indent = "\t\t", .arguments = arguments, .q = emit_q_at_sample(e),
 		.stride = emit_stride(e)};
 
