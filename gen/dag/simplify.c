@@ -104,10 +104,11 @@ struct ref dag_pack(struct dag *d, const struct ref x[DAG_LANES])
 
 struct ref dag_lane(struct dag *d, struct ref lanes, int lane)
 {
-	const struct node n = at(d, lanes);
+	struct node n;
 
 	if (d->failed)
 		return NONE;
+	n = at(d, lanes);
 	if (!n.is_wide)
 		return lanes;
 	if (n.op == OP_NEG)
