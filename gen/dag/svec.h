@@ -15,7 +15,8 @@ struct smat {
 };
 
 /* a b + c e and a b - c e. Here as elsewhere what two arguments of a call are made of is made in statements of its own, the last
-   argument first: C leaves their order open, and nodes, and so texts, go by it. */
+   argument first: C leaves their order open, and nodes, and so texts, go by it. It leaves that of initialisers open too; gcc and
+   clang take the first one first. */
 struct ref dag_add_products(struct dag *d, struct ref a, struct ref b, struct ref c, struct ref e);
 struct ref dag_sub_products(struct dag *d, struct ref a, struct ref b, struct ref c, struct ref e);
 
