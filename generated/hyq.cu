@@ -3595,8 +3595,8 @@ hyq_rnea_limbs(const float *__restrict__ q, const float *__restrict__ qd, const 
 {
 	extern __shared__ __align__(16) float hyq_across[]; /* what a warp makes and another one reads */
 	const unsigned warp = threadIdx.x/32, lane = warp/RNEA_LIMBS*32 + threadIdx.x%32, lanes = blockDim.x/RNEA_LIMBS;
-	const size_t own = (size_t)blockIdx.x*lanes + lane, k = own < count ? own : count - 1; /* lanes to spare do the
-	last sample again */
+	const size_t own = (size_t)blockIdx.x*lanes + lane;
+	const size_t k = own < count ? own : count - 1; /* lanes to spare do the last sample again */
 	float *const across = hyq_across + lane*29;
 
 	if (count == 0)
