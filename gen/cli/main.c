@@ -270,8 +270,7 @@ static int run(const struct command *c)
 	o.tell = told[c->info];
 	o.progress = waiting_for;
 	o.progress_context = &waiting;
-	bad = file_read(c->input, &urdf, &e);
-	if (bad)
+	if (file_read(c->input, &urdf, &e))
 		return fail(&e);
 	waiting_begin(&waiting, COMMAND, c->quiet);
 	bad = rneagen_generate(urdf.bytes, urdf.length, &o, &r, &e);
