@@ -22,6 +22,12 @@ def signature(text, name):
     return Signature(name, parameters, re.findall(r"(\w+)\[", parameters), parameters.count("const "))
 
 
+def call_defines(f, number, size):
+    """For a program that calls the function as CALL, on arrays `T a[ARRAYS][SIZE]`, the first INPUTS of which are inputs."""
+    calls = ", ".join(f"a[{k}]" for k in range(len(f.arrays)))
+    return [f"-DT={number}", f"-DARRAYS={len(f.arrays)}", f"-DINPUTS={f.inputs}", f"-DSIZE={size}", f"-DCALL={f.name}({calls})"]
+
+
 def loaded(text, name):
     """The function of the text at this path, compiled without optimisation, and the names of its arrays."""
     library = text.with_suffix(".so")
