@@ -223,7 +223,7 @@ static struct ref *sweep_backward(struct sweep *s, struct derivable *x, int coun
 
 /* The weights on qdd become -mu on ID, one more root for each row; mu is the derivative by tau. Returns how many roots there
    are. */
-static int weigh_found(struct sweep *s, int argument)
+static int weigh_found(struct sweep *s)
 {
 	struct dag *d = s->d;
 	int nv = s->b->t->nv;
@@ -234,10 +234,8 @@ static int weigh_found(struct sweep *s, int argument)
 	for (int i = 0; i < nv && !d->failed; i++)
 		mu[i] = bar_of(&x, bar, DAG_HELD, i);
 	forward_solve(s->b->forward, mu);
-	for (int i = 0; i < nv && !d->failed; i++) {
-		dag_output(d, argument, 2 * nv + i, mu[i]);
-		mu[i] = dag_neg(d, mu[i]);
-	}
+	for (int i = 0; i < nv && !d->failed; i++)
+		mu[i] = dag_neg(d, want_hand_on(s->b, 2 * nv + i, mu[i], "mu"));
 	memcpy(s->roots + s->count, s->b->torques, (size_t)nv * sizeof *mu);
 	return s->count + nv;
 }
@@ -266,7 +264,7 @@ static void output_vjp(struct sweep *s, int argument)
 	for (int i = 0; i < s->count; i++)
 		s->weights[i] = dag_input(d, vector, i);
 	if (s->b->forward)
-		count = weigh_found(s, argument);
+		count = weigh_found(s);
 	bar = d->failed ? NULL : sweep_backward(s, &x, count);
 	if (!bar)
 		return;

@@ -68,22 +68,27 @@ static int takes_factors(const struct request *k)
 	return k->is_forward || request_wants_any(k, IS_OPSPACE);
 }
 
-static void build_cheapest(struct dag *d, const struct tree *t, const struct request *k)
+static void build_cheapest(struct dag *d, const struct tree *t, const struct request *k, int is_handed)
 {
 	int has_derivatives = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD) ||
 		request_wants(k, WANT_DQDD_DQ) ||
 		request_wants(k, WANT_DQDD_DQD);
 	int is_open = k->dynamics == DYNAMICS_CHEAPER &&
 		(!articulated_is_shorter(t) || request_wants(k, WANT_QDD_BOUND)); /* which takes M too */
-	struct ways now = {k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
-		is_open || k->dynamics == DYNAMICS_FACTOR ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED, 0, NULL, NULL};
+	struct ways now = {
+		.derivatives = k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
+		.dynamics = is_open || k->dynamics == DYNAMICS_FACTOR ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED,
+		.is_handed = is_handed}, other = now;
 
 	want_build_in(d, t, k, now);
+	other.derivatives = DERIVATIVES_FORWARD;
 	if (has_derivatives && k->derivatives == DERIVATIVES_CHEAPER && !d->failed)
-		if (take_cheaper(d, t, k, (struct ways){DERIVATIVES_FORWARD, now.dynamics, 0, NULL, NULL}, d->count / 2 + MORE_NODES))
-			now.derivatives = DERIVATIVES_FORWARD;
+		if (take_cheaper(d, t, k, other, d->count / 2 + MORE_NODES))
+			now = other;
+	other = now;
+	other.dynamics = DYNAMICS_ARTICULATED;
 	if (takes_factors(k) && is_open && articulated_serves(t) && !d->failed)
-		take_cheaper(d, t, k, (struct ways){now.derivatives, DYNAMICS_ARTICULATED, 0, NULL, NULL}, 0);
+		take_cheaper(d, t, k, other, 0);
 }
 
 /* Where nothing of q, qd or qdd is read, there is no such input: torques are differentiated by it all the same, so that is known
@@ -104,7 +109,7 @@ void want_build(struct dag *d, const struct tree *t, const struct request *k)
 {
 	if (takes_factors(k) && singular_find(d, t, k))
 		return;
-	build_cheapest(d, t, k);
+	build_cheapest(d, t, k, 0);
 	strike_unread(d, k);
 }
 
@@ -130,8 +135,17 @@ int algorithm_build_looped(struct dag *d, const struct tree *t, const struct req
 		return 0;
 	loops.is_relay = is_relay;
 	loops.is_in_lanes = use == LOOPED_LANES;
-	want_build_in(d, t, k, (struct ways){k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
-		DYNAMICS_FACTOR, 0, &loops, NULL});
+	want_build_in(d, t, k, (struct ways){
+		.derivatives = k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
+		.dynamics = DYNAMICS_FACTOR, .loops = &loops});
+	return 1;
+}
+
+int algorithm_build_handed(struct dag *d, const struct tree *t, const struct request *k)
+{
+	if (!k->is_forward || k->stored_count != 1 || k->wants[0].kind != WANT_VJP || k->refine_steps)
+		return 0;
+	build_cheapest(d, t, k, 1);
 	return 1;
 }
 
@@ -171,7 +185,8 @@ int algorithm_build_way_back(struct dag *d, const struct tree *t, const struct r
 	if (!may_go_back(t, k) || (k->is_forward && !forward_loops_behind(&loops, t, k, is_batch, d->arena)) ||
 		!find_places(&to, t, k, &loops, d->arena) || !way_back_begin(&way, t, k, &to, is_batch))
 		return 0;
-	want_build_in(d, t, k, (struct ways){DERIVATIVES_RECURSION, dynamics, 0, k->is_forward ? &loops : NULL, &way});
+	want_build_in(d, t, k, (struct ways){
+		.derivatives = DERIVATIVES_RECURSION, .dynamics = dynamics, .loops = k->is_forward ? &loops : NULL, .way = &way});
 	if (!d->failed)
 		strike_unread(d, k);
 	return 1;

@@ -85,6 +85,12 @@ static inline int emit_hands(const struct emission *e)
 	return count;
 }
 
+/* Are these no hands, but what finds qdd and mu first (plan/grid/found.h)? */
+static inline int emit_finds_first(const struct emission *e)
+{
+	return e->request->is_forward && emit_hands(e) > 0;
+}
+
 /* How many kernels hands have; how many parts the kernel `level` of these has; what it is called after the function. */
 int emit_hand_levels(const struct emission *e);
 int emit_hands_of(const struct emission *e, int level);

@@ -126,6 +126,7 @@ static void put_quantities(const struct emission *e, struct text *out)
 		{"v", "velocity of the origin"}, {"a", "acceleration of the origin, less gravity"},
 		{"f", "force: the link's own, then with its children's"}, {"n", "moment about the origin, as f"},
 		{"qdd", "acceleration of the link's joint, as it is found"},
+		{"mu", "M^-1 of the weights on the accelerations, by the link's joint"},
 		{"iD", "1/D: the inverse of the inertia that the joint feels"},
 		{"rx", "the link's x axis, in the world's axes; so ry and rz"},
 		{"p", "its origin, from that of the first body on the way to it, in the world's axes"},
@@ -192,8 +193,11 @@ static void put_parts(const struct emission *e, struct text *out)
 	const struct dag *d = &emit_main(e)->dag;
 
 	if (emit_hands(e) && somewhere(e, is_left))
-		put_entry(d->arguments[parts_handed(d)].name, "what a hand left in the row of the link's joint", out);
-	if (emit_hands(e))
+		put_entry(d->arguments[parts_handed(d)].name, emit_finds_first(e) ? "what the kernel before has found of the row" :
+			"what a hand left in the row of the link's joint", out);
+	if (emit_finds_first(e))
+		put_entry("handed found mu step", "where qdd and mu stand in the vjp, or in slices; from a row to the next", out);
+	else if (emit_hands(e))
 		put_entry("handed gap step",
 			"what hands left in the last array; rows that a part's slice lacks; from a row of handed to the next", out);
 	if (!emit_hands(e) && has_part(e, has_gap))

@@ -120,6 +120,18 @@ static void put_expression(const struct unparser *u, struct ref a, struct text *
 	}
 }
 
+/* What a kernel before has left in a row. */
+static void put_handed(const struct unparser *u, unsigned row, struct text *out)
+{
+	const struct stretches *s = u->function->stretches;
+	unsigned mu = (PERIODS - 1) * (unsigned)s->period;
+
+	if (s->takes_found && row >= mu)
+		unparse_index("mu", row - mu, "step", out);
+	else
+		unparse_index(s->takes_found ? "found" : "handed", row, "step", out);
+}
+
 void unparse_load(const struct unparser *u, const struct node *n, struct text *out)
 {
 	put_around(&u->numbers->load, 0, out);
@@ -127,7 +139,7 @@ void unparse_load(const struct unparser *u, const struct node *n, struct text *o
 	if (dag_loop_of(n))
 		unparse_element_each(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
 	else if (u->function->stretches && u->plan->dag->arguments[n->arg[0].i].is_output)
-		unparse_index("handed", n->arg[1].i, "step", out);
+		put_handed(u, n->arg[1].i, out);
 	else
 		unparse_element(u, (int)n->arg[0].i, (int)n->arg[1].i, out);
 	text_put(out, dag_reading_of(n) ? ")" : "");

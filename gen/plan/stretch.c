@@ -119,29 +119,50 @@ static int row_of(const struct stretches *s, int argument, int row)
 	return s->period && argument == s->divided ? row % s->period : row;
 }
 
+/* Is it the place of qdd or of mu? */
+static int has_found(const struct stretches *s, const struct dag *d, int argument)
+{
+	return s->period && (argument == PERIODS - 1 || argument == dag_find_role(d, ROLE_COTANGENT, 0));
+}
+
 static void find_own(struct stretches *s, const struct dag *d)
 {
-	for (size_t i = 0; i < d->count; i++)
-		if (is_read(d, &d->nodes[i]))
-			widen(s, s->own[d->nodes[i].arg[0].i], (int)d->nodes[i].arg[1].i);
-	for (size_t i = 0; i < d->output_count; i++)
-		widen(s, s->own[d->outputs[i].argument], row_of(s, d->outputs[i].argument, d->outputs[i].row));
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		if (is_read(d, n))
+			widen(s, s->own[n->arg[0].i], (int)n->arg[1].i);
+		else if (s->takes_found && s->period && n->op == OP_INPUT)
+			stretch_widen(&s->found, (int)n->arg[1].i % s->period);
+	}
+	for (size_t i = 0; i < d->output_count; i++) {
+		const struct output *o = &d->outputs[i];
+
+		widen(s, s->own[o->argument], row_of(s, o->argument, o->row));
+		if (s->period && o->argument == s->divided)
+			s->periods |= 1u << o->row / s->period;
+	}
 	for (int i = 0; i < d->argument_count; i++)
-		if (!s->own[i][0].rows && !s->own[i][1].rows)
+		if (!s->own[i][0].rows && !s->own[i][1].rows && !(s->takes_found && has_found(s, d, i)))
 			widen(s, s->own[i], s->gap ? s->second : 0);
 }
 
 /* The places of q, qd and qdd hold the vjp's rows too, and are as far from each other. */
-static void align_periods(struct stretches *s)
+static void align_periods(struct stretches *s, const struct dag *d)
 {
 	struct stretch all[STRETCHES] = {{0}}, own = s->own[s->divided][0];
 
 	widen(s, all, own.first + s->shift);
 	widen(s, all, own.first + s->shift + own.rows - 1);
+	if (s->found.rows) {
+		widen(s, all, s->found.first + s->shift);
+		widen(s, all, s->found.first + s->shift + s->found.rows - 1);
+	}
 	for (int i = 0; i < PERIODS; i++)
 		widen_by(s, all, s->place[i]);
-	for (int i = 0; i < PERIODS; i++)
-		widen_by(s, s->place[i], all);
+	for (int i = 0; i < d->argument_count; i++)
+		if (i < PERIODS || (s->takes_found && has_found(s, d, i)))
+			widen_by(s, s->place[i], all);
 }
 
 /* Where they stand, once the rows are found. */
@@ -157,22 +178,34 @@ static void place_own(struct stretches *s, const struct dag *d)
 		widen(s, s->place[i], s->second);
 	}
 	if (s->period)
-		align_periods(s);
+		align_periods(s, d);
 }
 
-void stretches_make(struct stretches *s, const struct dag *d, int nv)
+static void make(struct stretches *s, const struct dag *d, int nv)
 {
-	*s = (struct stretches){0};
 	find_places(s, d, nv);
 	find_gap(s, d);
 	find_own(s, d);
 	place_own(s, d);
 }
 
+void stretches_make(struct stretches *s, const struct dag *d, int nv)
+{
+	*s = (struct stretches){0};
+	make(s, d, nv);
+}
+
+void stretches_make_found(struct stretches *s, const struct dag *d, int nv)
+{
+	*s = (struct stretches){.takes_found = 1};
+	make(s, d, nv);
+}
+
 void stretches_make_whole(struct stretches *s, const struct dag *d, int nv)
 {
 	*s = (struct stretches){0};
 	find_places(s, d, nv);
+	s->periods = (1u << PERIODS) - 1;
 	for (int i = 0; i < d->argument_count; i++)
 		s->own[i][0] = (struct stretch){0, s->period && i == s->divided ? s->period : d->arguments[i].rows};
 	place_own(s, d);

@@ -23,6 +23,10 @@ struct stretches {
 	int second; /* with a gap: rows from this one on are of second stretches */
 	int gap;    /* rows between both; in shared memory there are none. 0: all is in the first ones */
 	int has_inputs_alone; /* what is written goes to the arrays themselves */
+	unsigned periods; /* those of the vjp that are written, by bits */
+	int takes_found;  /* qdd and mu, which are read from rows of the vjp, stand in the places of its weights and of its third period
+			     (grid/found.h) */
+	struct stretch found; /* rows of both */
 	struct stretch own[DAG_ARGUMENTS][STRETCHES];   /* of each array, or of each period; what nothing is read of has one row,
 	                                                  where there are inputs alone none */
 	struct stretch place[DAG_ARGUMENTS][STRETCHES]; /* the same where it stands in shared memory: tau in the place of qdd */
@@ -31,6 +35,9 @@ struct stretches {
 /* Of the DAG of a part. What it reads of outputs, which an earlier kernel left there, is not among them. With the rows of all
    joints: what a vjp has for q, qd and qdd may stand where these were, and the torque where its weight was (places.h). */
 void stretches_make(struct stretches *s, const struct dag *d, int nv);
+
+/* The same of a part that reads what a kernel before has found. */
+void stretches_make_found(struct stretches *s, const struct dag *d, int nv);
 
 /* The same of a part that has all rows of each array. */
 void stretches_make_whole(struct stretches *s, const struct dag *d, int nv);

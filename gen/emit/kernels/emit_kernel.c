@@ -5,9 +5,10 @@
 #include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/emit_kernel.h"
 #include "emit/kernels/emit_limbs.h"
+#include "emit/kernels/emit_parts.h"
 #include "emit/kernels/emit_relay.h"
 #include "emit/kernels/emit_segments_kernel.h"
-#include "emit/kernels/emit_slices.h"
+#include "emit/kernels/slices/emit_slices.h"
 #include "emit/kernels/emit_tiles.h"
 #include "plan/stage.h"
 
@@ -52,16 +53,15 @@ struct work {
 	const char *alone; /* the name of a kernel of large batches, which has nothing else to do; NULL: it is none */
 };
 
-/* Where hands have left what they hand on: in the last array. */
-static const char *handed_text(const struct emission *e)
+/* Where kernels before have left what they hand on: in the last array. */
+static const char *handed_text(const struct emission *e, const struct function *p)
 {
 	const struct dag *d = arguments_of(e);
 	struct text t;
 
 	text_init(&t, e->arena);
 	emit_put_at_sample(e, &d->arguments[parts_handed(d)], &t);
-	text_printf(&t, ", %s", emit_stride(e));
-	return text_string(&t);
+	return emit_handed(e, p, text_string(&t), emit_stride(e));
 }
 
 /* On the arrays themselves. */
@@ -69,7 +69,7 @@ static const char *direct_call(const struct emission *e, const struct work *w)
 {
 	const struct call there = {.indent = "\t", .arguments = emit_params(e, w->function, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
 		.stride = emit_stride(e), .is_optimistic = emit_is_of_main(e, w->function) && emit_is_optimistic(e), .part = w->part,
-		.handed = handed_text(e)};
+		.handed = handed_text(e, w->function)};
 
 	return emit_call(e, w->function, &there);
 }
@@ -79,7 +79,8 @@ static const char *kernel_call(const struct emission *e, const struct work *w, c
 	int is_soa = e->options->layout == RNEAGEN_SOA;
 	const struct call here = {.indent = is_soa ? "\t" : "\t\t", .arguments = s->here, .q = "q_here",
 		.stride = is_soa ? "stride" : "1", .part = w->part, .is_staged = 1,
-		.has_threads = emit_each_block(e) > 0, .handed = handed_text(e)};
+		.has_threads = emit_each_block(e) > 0,
+		.handed = emit_takes_found(w->function) ? "found_here, mu_here, 1" : handed_text(e, w->function)};
 
 	return w->is_staged ? emit_call(e, w->function, &here) : direct_call(e, w);
 }
@@ -164,7 +165,7 @@ static void put_tiled(const struct emission *e, const struct work *w, struct tex
 	const struct tiled_kernel k = {.function = w->function,
 		.part = w->part,
 		.name = w->alone,
-		.handed = handed_text(e),
+		.handed = handed_text(e, w->function),
 		.spill = spill_text(e, ""),
 		.zeros = zeros_text(e, w->function),
 		.direct = direct_call(e, w)};
@@ -228,7 +229,8 @@ static void put_both(const struct emission *e, struct text *out)
 {
 	struct apart x = {.parts = e->parts, .words = emit_is_staged(e) ? emit_stage_words(e) : 0, .is_alone = emit_alone_least(e) > 0,
 		.function = emit_main(e)->algorithm->name, .bounds = ", RNEA_MIN_BLOCKS",
-		.what = "Hands, each a part; a launch runs this kernel before the one that reads what they hand on"};
+		.what = emit_finds_first(e) ? "What is found first; a launch runs this kernel before the one that reads it" :
+			"Hands, each a part; a launch runs this kernel before the one that reads what they hand on"};
 
 	for (int level = 0; level < emit_hand_levels(e); level++) {
 		x.count = emit_hands_of(e, level);
@@ -321,7 +323,7 @@ const char *emit_store(const struct emission *e)
 static void put_stage_aos(const struct emission *e, const struct slot *slots, size_t count, struct text *out)
 {
 	const struct kernel_frames *f = e->target->kernel;
-	int has_whole = !emit_is_apart(e) || e->part_count == 1;
+	int has_whole = emit_moves_whole(e);
 
 	if (has_whole)
 		template_expand(out, f->stage_bulk, slots, count);

@@ -32,6 +32,17 @@ static void put_hands(const struct emission *e, struct text *out)
 			emit_hands_kernel(e, level), emit_hands_of(e, level));
 }
 
+/* qdd and mu, which the kernel reads from rows of the vjp. */
+static void put_found(const struct emission *e, struct text *out)
+{
+	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
+	int parts = emit_hands_of(e, 0);
+
+	text_printf(out, " * %s_%s_launch runs two kernels. %s_%s_hands_kernel%s finds qdd and the rows of the vjp by tau;\n"
+		" * qdd stands in the rows by q until %s_%s_kernel has read it, and writes all other rows.\n",
+		name, function, name, function, parts > 1 ? text_format(e->arena, ", with %d blocks along y,", parts) : "", name, function);
+}
+
 static void put_limbs(const struct emission *e, const char *start, const struct limbs *s, struct text *out)
 {
 	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
@@ -56,7 +67,9 @@ void emit_kernels_head(const struct emission *e, struct text *out)
 {
 	if (e->relay)
 		put_relay(e, out);
-	if (emit_hands(e))
+	if (emit_finds_first(e))
+		put_found(e, out);
+	else if (emit_hands(e))
 		put_hands(e, out);
 	if (e->part_count - emit_hands(e) > 1)
 		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for %s.\n", emit_main(e)->algorithm->name,

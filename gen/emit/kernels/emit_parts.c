@@ -35,6 +35,18 @@ static int is_handed(const struct function *p)
 	return 0;
 }
 
+int emit_takes_found(const struct function *p)
+{
+	return p->stretches && p->stretches->takes_found;
+}
+
+const char *emit_handed(const struct emission *e, const struct function *p, const char *at, const char *step)
+{
+	if (!emit_takes_found(p))
+		return text_format(e->arena, "%s, %s", at, step);
+	return text_format(e->arena, "%s, %s + %d*%s, %s", at, at, (PERIODS - 1) * p->stretches->period, step, step);
+}
+
 const char *emit_more_params(const struct emission *e, const struct function *p)
 {
 	struct text t;
@@ -46,7 +58,9 @@ const char *emit_more_params(const struct emission *e, const struct function *p)
 		text_put(&t, ", const size_t gap");
 	if (p->stretches && p->stretches->period)
 		text_put(&t, ", const size_t skip");
-	if (is_handed(p))
+	if (emit_takes_found(p))
+		text_printf(&t, ", const %s *found, const %s *mu, const size_t step", e->memory->type, e->memory->type);
+	else if (is_handed(p))
 		text_printf(&t, ", const %s *handed, const size_t step", e->memory->type);
 	return text_string(&t);
 }
@@ -131,7 +145,7 @@ const char *emit_launch_hands(const struct emission *e)
 static void put_part_call(const struct emission *e, const struct function *p, struct text *out)
 {
 	const struct dag *d = &emit_main(e)->dag;
-	const char *handed = text_format(e->arena, "%s, stride", d->arguments[parts_handed(d)].name);
+	const char *handed = emit_handed(e, p, d->arguments[parts_handed(d)].name, "stride");
 
 	emit_put_sample_call(e, p, "body", emit_more(e, p, 0, "stride", handed), out);
 }

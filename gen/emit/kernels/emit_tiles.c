@@ -3,7 +3,7 @@
 #include "base/template.h"
 #include "emit/emit.h"
 #include "emit/kernels/emit_alone.h"
-#include "emit/kernels/emit_slices.h"
+#include "emit/kernels/slices/emit_slices.h"
 #include "emit/kernels/emit_tiles.h"
 #include "plan/tiles/tiles.h"
 

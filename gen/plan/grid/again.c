@@ -103,17 +103,23 @@ static void cut_chains(struct again *x, int joints, int *last)
 
 /* ---- nodes ---- */
 
+/* Then rows of outputs that are read are those of qdd and mu (found.h), else what hands have left in some row. */
+static int is_forward(const struct dag *d)
+{
+	return dag_find_role(d, ROLE_JOINT_TORQUE, 0) >= 0;
+}
+
 /* The row of qd that an input belongs to; -1: it is no joint's. */
 static int row_of_input(const struct again *x, const struct node *n)
 {
 	const struct argument *a = n->arg[0].i < DAG_ARGUMENTS ? &x->d->arguments[n->arg[0].i] : NULL;
 	int row = (int)n->arg[1].i;
 
-	if (!a || a->is_output)
+	if (!a || (a->is_output && !is_forward(x->d)))
 		return -1;
 	if (a->role == ROLE_JOINT_POSITION)
 		return tree_joint_of_q(x->t, row)->iv;
-	if (a->role == ROLE_COTANGENT)
+	if (a->role == ROLE_COTANGENT || a->is_output)
 		return row % x->t->nv;
 	return a->rows == x->t->nv ? row : -1;
 }

@@ -1,10 +1,11 @@
 /* Which texts have such parts, and whether they pay. */
 #include "plan/grid/apart.h"
 #include "plan/grid/again.h"
-#include "plan/grid/hands.h"
+#include "plan/grid/found.h"
+#include "plan/grid/hands/hands.h"
 #include "plan/grid/joined.h"
 #include "plan/grid/places.h"
-#include "plan/grid/turns.h"
+#include "plan/grid/hands/turns.h"
 #include "plan/lanes/each.h"
 #include "plan/stage.h"
 
@@ -119,12 +120,6 @@ static int are_written(const struct part *parts, int count)
 	return 1;
 }
 
-/* Does a product stand in the places of inputs wherever it is staged? */
-static int has_places(const struct parts_of *x)
-{
-	return x->options->layout == RNEAGEN_AOS && request_wants_derivative(x->request);
-}
-
 /* Where they are to be there. */
 static int have_room(const struct part *parts, int count, const struct rneagen_options *o)
 {
@@ -149,7 +144,7 @@ static int hold_less(const struct part *parts, int count, const struct parts_of 
 static int find_places(int *can, const struct part *parts, int count, const struct parts_of *x, struct arena *a)
 {
 	*can = 1;
-	if (!has_places(x))
+	if (!apart_has_places(x))
 		return 1;
 	*can = parts->function.stretches->period && are_staged(parts, count, x->options) && are_written(parts, count);
 	for (int i = 0, serves; i < count && *can; i++) {
@@ -165,62 +160,15 @@ static int do_pay(const struct part *parts, int count, const struct parts_of *x,
 	return request_wants_derivative(x->request) ? hold_less(parts, count, x, a) : have_room(parts, count, x->options);
 }
 
-/* Its bodies, from the first row on. */
-static void name_bodies(struct part *p, const struct tree *t)
+static int nv_of(const struct parts_of *x)
 {
-	struct stretch rows = {0};
-
-	for (size_t i = 0; i < p->function.dag.output_count; i++)
-		stretch_widen(&rows, p->function.dag.outputs[i].row % t->nv);
-	for (int k = t->body_count; k-- > 0;)
-		if (t->bodies[k].iv >= rows.first && t->bodies[k].iv < rows.first + rows.rows) {
-			p->first = k;
-			p->last = p->last > k ? p->last : k;
-		}
-}
-
-/* Torques keep the tour's order. */
-static int build(struct part *p, struct share *share, int owner, const char *name, const char *doc, const struct parts_of *x,
-	struct arena *a)
-{
-	if (again_serves(x))
-		return again_build(p, share, owner, name, doc, x, a);
-	if (!part_build_share(p, share, owner, owner + 1, name, doc, x, a))
-		return 0;
-	return (!x->request->is_forward && !request_wants_derivative(x->request)) || part_order(p, x, a);
-}
-
-typedef void make_stretches(struct stretches *s, const struct dag *d, int nv);
-
-/* The rows that it reads and writes, and its bodies. In soa a product's rows stand in the places of inputs (tiles/tiles.h) where
-   the order of lines allows it. Returns 0 when memory runs out. */
-static int set_rows(struct part *p, make_stretches *make, const struct parts_of *x, struct arena *a)
-{
-	struct stretches *rows = arena_alloc(a, 1, sizeof *rows);
-	int serves = 1;
-
-	if (!rows)
-		return 0;
-	make(rows, &p->function.dag, request_wants_derivative(x->request) ? x->tree->nv : 0);
-	p->function.stretches = rows;
-	name_bodies(p, x->tree);
-	if (rows->period && !has_places(x) && !places_serve(&serves, &p->function, rows, a))
-		return 0;
-	if (!serves)
-		make(rows, &p->function.dag, 0);
-	return 1;
+	return request_wants_derivative(x->request) ? x->tree->nv : 0;
 }
 
 static int make_part(struct part *p, struct share *share, int owner, int number, const char *what, const struct parts_of *x,
 	struct arena *a)
 {
-	struct text name, doc;
-
-	text_init(&name, a);
-	text_init(&doc, a);
-	text_printf(&name, "%s_part%d", x->whole->algorithm->name, number);
-	text_printf(&doc, "Part %d of it: %s.", number, what);
-	return build(p, share, owner, text_string(&name), text_string(&doc), x, a) && set_rows(p, stretches_make, x, a) && !a->failed;
+	return apart_build(p, share, owner, number, what, x, a) && apart_set_rows(p, stretches_make, nv_of(x), x, a) && !a->failed;
 }
 
 static int make_hands(struct part *parts, const struct hands *h, const struct parts_of *x, struct arena *spare, struct arena *a)
@@ -277,7 +225,7 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	int *owner = arena_alloc(spare, d->output_count + 1, sizeof *owner);
 	int limbs = owner ? joined_own(owner, d, x->tree->nv, spare) : 0, can;
 
-	if (limbs > 1 && has_places(x) && operations_of(x) <= SHORT_AOS)
+	if (limbs > 1 && apart_has_places(x) && operations_of(x) <= SHORT_AOS)
 		limbs = own_together(owner, d);
 	if (limbs + h->count < (again_serves(x) ? 1 : 2))
 		return limbs;
@@ -359,7 +307,7 @@ static int make_loops(struct part **parts, int *count, const struct parts_of *x,
 		return 0;
 	if (!part_build_share(p, &share, 0, 1, name, "The whole, with loops over limbs that are alike.", x, a) ||
 		(request_wants_derivative(x->request) && !part_order(p, x, a)) ||
-		!set_rows(p, stretches_make_whole, x, a) || !each_make(p, x, a))
+		!apart_set_rows(p, stretches_make_whole, nv_of(x), x, a) || !each_make(p, x, a))
 		return 0;
 	*count = p->function.each && are_staged(p, 1, x->options) && are_written(p, 1) && loops_pay(p, x, spare);
 	return 1;
@@ -391,6 +339,8 @@ int apart_make(struct part **parts, int *count, const struct parts_of *x, struct
 	is_made = !may_loop(x, &spare) || make_loops(parts, count, x, &spare, a);
 	if (is_made && !*count && operations_of(x) > least_operations(x))
 		is_made = make_parts(parts, count, x, &spare, a);
+	if (is_made && !*count)
+		is_made = found_make(parts, count, x, &spare, a);
 	arena_free(&spare);
 	return is_made;
 }

@@ -12,4 +12,15 @@
    memory runs out. */
 int apart_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a);
 
+/* Does a product stand in the places of inputs wherever it is staged? */
+int apart_has_places(const struct parts_of *x);
+
+typedef void make_stretches(struct stretches *s, const struct dag *d, int nv);
+
+/* One of these parts: the outputs of an owner, in an order of its lines; `what` is said of it. Then the rows that it reads and
+   writes, with nv for those of a vjp in the places of inputs, and its bodies. Return 0 when memory runs out. */
+int apart_build(struct part *p, struct share *share, int owner, int number, const char *what, const struct parts_of *x,
+	struct arena *a);
+int apart_set_rows(struct part *p, make_stretches *make, int nv, const struct parts_of *x, struct arena *a);
+
 #endif

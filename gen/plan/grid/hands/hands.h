@@ -7,7 +7,7 @@
    holds an arm and a hand at once. Where an arm is as long as a snake, its end is a hand in its turn, in one more kernel between
    both, and so on. */
 
-#include "plan/grid/cut.h"
+#include "plan/grid/hands/cut.h"
 #include "plan/grid/parts.h"
 
 /* How many kernels there may be for hands. */

@@ -1,4 +1,4 @@
-#include "plan/grid/hands.h"
+#include "plan/grid/hands/hands.h"
 #include <string.h>
 
 /* Operations of the whole, and of a hand. H100, 1 M samples, ps, one kernel and two: g1_brainco, 9010 operations, f64 2447 and

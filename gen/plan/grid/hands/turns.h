@@ -9,4 +9,7 @@
    stores or reads, and has what is read been stored once, by a kernel before? 0 too when memory runs out. */
 int turns_serve(const struct part *parts, int count, int rows, struct arena *a);
 
+/* Put each store of a row of the last array behind the lines that read the row. Returns 0 when memory runs out. */
+int turns_delay_stores(struct plan *p, struct arena *a);
+
 #endif

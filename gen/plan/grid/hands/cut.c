@@ -1,6 +1,6 @@
 /* A node is two places, one where paths come in and one where they go out, with room for one path between them. A search goes
    along edges that have no path, and back along those that have one. */
-#include "plan/grid/cut.h"
+#include "plan/grid/hands/cut.h"
 #include <string.h>
 
 enum { NONE = 0 }; /* node 0 is a constant */
