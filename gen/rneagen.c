@@ -9,6 +9,7 @@
 #include "plan/segments.h"
 #include "plan/stage.h"
 #include "plan/tiles/tiles.h"
+#include "plan/turned.h"
 #include "tell/dot.h"
 #include "tell/dump.h"
 #include "tell/effect.h"
@@ -29,6 +30,7 @@ struct generation {
 	struct relay *relay;
 	struct part *parts; /* of the relay's second kernel, where there is a relay */
 	int part_count;
+	int is_turned; /* plan/turned.h */
 	char hash[SHA256_DIGEST_STRING_LENGTH];
 	struct emission emission;
 	struct info info;
@@ -105,14 +107,32 @@ static enum rneagen_code plan_build_all(struct generation *g)
 													 : error_memory(a->error);
 }
 
+/* As in soa, with outputs that are turned, where there is a relay or matrices are in parts. */
+static enum rneagen_code turned_choose(struct generation *g, const struct parts_of *in_aos)
+{
+	struct analysis *a = &g->analysis;
+	const struct rneagen_options soa = turned_options(&a->options, 1);
+	struct parts_of x = *in_aos;
+
+	if (!x.has_kernels || !turned_may_be(&g->functions[0].dag, &a->options))
+		return RNEAGEN_OK;
+	x.options = &soa;
+	x.is_turned = 1;
+	if (relay_or_parts(&g->relay, &g->parts, &g->part_count, &x, a->arena, a->error))
+		return a->error->code;
+	g->is_turned = g->relay || (g->part_count && !parts_are_apart(g->parts, g->part_count));
+	return RNEAGEN_OK;
+}
+
 /* The last that needs the DAG as it was before it was fused. */
 static enum rneagen_code parts_choose(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
 	int has_kernels = target_type_of(a->options.target)->kernel != NULL, is_unpruned = a->adjust.prune == 0;
-	const struct parts_of x = {&g->functions[0], &a->raw, &a->tree, &a->request, &a->options, has_kernels, is_unpruned, 0};
+	const struct parts_of x = {&g->functions[0], &a->raw, &a->tree, &a->request, &a->options, has_kernels, is_unpruned, 0, 0};
 
-	if (!relay_or_parts(&g->relay, &g->parts, &g->part_count, &x, a->arena, a->error) && !g->relay)
+	if (!turned_choose(g, &x) && !g->is_turned &&
+		!relay_or_parts(&g->relay, &g->parts, &g->part_count, &x, a->arena, a->error) && !g->relay)
 		tiles_choose(&g->functions[0], g->parts, g->part_count, &x, a->arena, a->error);
 	analysis_free_raw(a);
 	return a->error->code;
@@ -148,25 +168,27 @@ static enum rneagen_code choose_for_kernel(struct generation *g,
 {
 	struct analysis *a = &g->analysis;
 	int in_parts = g->part_count && !parts_are_apart(g->parts, g->part_count), count = in_parts ? g->part_count : 1;
+	const struct rneagen_options o = turned_options(&a->options, g->is_turned);
 	struct function **functions = arena_alloc(a->arena, (size_t)count, sizeof *functions);
 
 	if (!target_type_of(a->options.target)->kernel)
 		return RNEAGEN_OK;
 	for (int i = 0; i < count && functions; i++)
 		functions[i] = in_parts ? &g->parts[i].function : &g->functions[0];
-	return functions && choose(functions, count, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
+	return functions && choose(functions, count, &o, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
 static enum rneagen_code limbs_make_all(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
+	const struct rneagen_options o = turned_options(&a->options, g->is_turned);
 	int are_apart = parts_are_apart(g->parts, g->part_count); /* without windows, and so is the whole, for small batches */
 
-	if ((!are_apart && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
+	if ((!are_apart && !g->is_turned && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
 		return a->error->code;
 	if (are_apart)
 		limbs_beside_parts(&g->functions[0].limbs, g->part_count, &a->request, &a->options);
-	return !g->relay || relay_limbs(g->relay, &a->request, &a->options, a->arena) ? RNEAGEN_OK : error_memory(a->error);
+	return !g->relay || relay_limbs(g->relay, &a->request, &o, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
 static enum rneagen_code warn(struct generation *g)
@@ -196,7 +218,7 @@ static struct emission new_emission(struct generation *g, const char *told)
 
 	return (struct emission){.tree = &a->tree, .request = &a->request, .scene = &a->scene, .adjust = &a->adjust,
 		.options = &a->options, .functions = g->functions, .function_count = function_count(g),
-		.parts = g->parts, .part_count = g->part_count, .relay = g->relay,
+		.parts = g->parts, .part_count = g->part_count, .relay = g->relay, .is_turned = g->is_turned,
 		.warnings = g->result->warnings, .warning_count = g->result->warning_count,
 		.told = told, .hash = g->hash,
 		.written = arena_alloc(a->arena, EMIT_WRITTEN, sizeof(struct written_number)),

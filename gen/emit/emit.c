@@ -8,8 +8,10 @@
 #include "emit/kernels/emit_parts.h"
 #include "emit/kernels/emit_relay.h"
 #include "emit/kernels/emit_tiles.h"
+#include "emit/kernels/emit_turn.h"
 #include "emit/unparse.h"
 #include "plan/grid/parts.h"
+#include "plan/turned.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -324,7 +326,7 @@ static void kernel_slots(const struct emission *e, const char *kernels, struct s
 		{"EACH", p->segments.count ? template_launch_segments_in : ""}, {"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"},
 		{"MIN_BLOCKS", emit_min_blocks(e)}, {"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)},
 		{"STORE", emit_store(e)}, {"KERNELS", kernels}, {"LAUNCH_HEAD", emit_launch_head(e)}, {"LAUNCH_HANDS", emit_launch_hands(e)},
-		{"LAUNCH_RELAY", emit_launch_relay(e)}, {"LAUNCH_ALONE", emit_launch_alone(e)}, {"TILES_LAUNCH", emit_tiles_launch(e)},
+		{"LAUNCH_RELAY", emit_launch_relay(e)}, {"LAUNCH_TURN", emit_launch_turn(e)}, {"LAUNCH_ALONE", emit_launch_alone(e)}, {"TILES_LAUNCH", emit_tiles_launch(e)},
 		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e, "kernel")}, {"LAUNCH_LIMBS", emit_launch_limbs(e)}};
 
 	add_slots(s, more, sizeof more / sizeof *more);
@@ -347,16 +349,19 @@ static void header_slots(const struct emission *e, struct slots *s)
 void emit_source(const struct emission *e, struct text *out)
 {
 	struct slots s = {.count = 0};
+	const struct rneagen_options options = turned_options(e->options, e->is_turned);
+	struct emission k = *e;
 	struct text kernels;
 	const char *rest;
 	size_t from = out->length;
 
+	k.options = &options;
 	text_init(&kernels, e->arena);
-	emit_kernels(e, &kernels);
+	emit_kernels(&k, &kernels);
 	common_slots(e, &s);
 	(e->target->is_header ? header_slots : function_slots)(e, &s);
 	if (e->target->kernel)
-		kernel_slots(e, text_string(&kernels), &s);
+		kernel_slots(&k, text_string(&kernels), &s);
 	rest = template_expand_to(out, e->target->frame, "BODIES", s.of, s.count);
 	fold(out, from);
 	put_bodies(e, out);

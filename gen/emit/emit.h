@@ -20,6 +20,7 @@ struct emission {
 	const struct part *parts;              /* what the first function does, as parts of the grid; part_count 0: it is whole */
 	int part_count;
 	const struct relay *relay;             /* whose second kernel has these parts; NULL: there is one kernel */
+	int is_turned;                         /* kernels write as in soa, and turn it (plan/turned.h); their options say soa */
 	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
 	const char *const *warnings;
 	size_t warning_count;
@@ -57,7 +58,7 @@ static inline int emit_is_apart(const struct emission *e)
 /* Is the main function in parts for matrices, in layout soa? In aos outputs leave through the windows of the whole. */
 static inline int emit_has_columns(const struct emission *e)
 {
-	return e->part_count && !emit_is_apart(e) && e->options->layout == RNEAGEN_SOA;
+	return e->part_count && !emit_is_apart(e) && (e->options->layout == RNEAGEN_SOA || e->is_turned);
 }
 
 /* Which of these parts a function is; -1: none. */
@@ -241,6 +242,7 @@ const char *emit_at_sample(const struct emission *e, const struct function *p, e
 
 /* From one row of a batch to the next. */
 const char *emit_stride(const struct emission *e);
+const char *emit_q_stride(const struct emission *e);
 /* A batch's count as a parameter, before others, where it is the stride: in layout soa. */
 const char *emit_count_param(enum rneagen_layout layout);
 

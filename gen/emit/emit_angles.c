@@ -322,7 +322,7 @@ static const char *call_expanded(const struct emission *e, const struct function
 	const struct call *c)
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"INDENT", c->indent},
-		{"Q", c->part || c->is_tiled ? emit_q_at_sample(e) : c->q}, {"Q_STRIDE", c->part || c->is_tiled ? emit_stride(e) : c->stride},
+		{"Q", c->part || c->is_tiled ? emit_q_at_sample(e) : c->q}, {"Q_STRIDE", c->part || c->is_tiled ? emit_q_stride(e) : e->is_turned && c->q_stride ? c->q_stride : c->stride},
 		{"TABLE", table_of(e, p)->algorithm->name},
 		{"STRIDE", stride_text(e, p, c)}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
 		{"ASKED", asked}, {"MEET", meet_text(e, c)}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "", "sines")},

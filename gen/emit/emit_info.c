@@ -1,5 +1,6 @@
 /* The table NAME_info, which librnea reads. */
 #include "emit/emit.h"
+#include "emit/kernels/emit_turn.h"
 #include "emit/kernels/emit_alone.h"
 #include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/emit_kernel.h"
@@ -56,7 +57,7 @@ static void put_relay(const struct emission *e, struct text *out)
 	const struct relay *r = e->relay;
 
 	text_printf(out, "relay %d %d %d", emit_relay_bytes(e), r->threads, r->room);
-	if (r->samples > WARP_THREADS)
+	if (r->samples > WARP_THREADS || e->is_turned) /* from version 9 on it stands */
 		text_printf(out, " %d", r->samples);
 	text_putc(out, '\n');
 	if (r->start_count)
@@ -85,6 +86,7 @@ static void put_kernels(const struct emission *e, struct text *out)
 	}
 	if (e->relay)
 		put_relay(e, out);
+	emit_info_turn(e, out);
 	if (emit_has_limbs(e))
 		put_limbs(e, emit_is_apart(e) ? "whole_limbs" : "limbs", emit_limbs_of(e), out);
 	if (emit_start_limbs(e))
@@ -119,10 +121,13 @@ static void put_function(const struct emission *e, const struct function *p, str
 /* What knows no relays, no hands, no parts of a relay's first kernel, no more than one kernel for hands, no threads of a
    sample, or no relay with blocks of more samples than a warp's, is not to launch some of the kernels alone, a part, half of the
    threads, or other blocks. */
-enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS, VERSION_STARTS, VERSION_LEVELS, VERSION_THREADS, VERSION_WIDE };
+enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS, VERSION_STARTS, VERSION_LEVELS, VERSION_THREADS, VERSION_WIDE,
+	VERSION_TURNED };
 
 static int version_of(const struct emission *e)
 {
+	if (e->is_turned)
+		return VERSION_TURNED;
 	if (emit_each_block(e))
 		return VERSION_THREADS;
 	if (e->relay && e->relay->samples > WARP_THREADS)

@@ -72,6 +72,11 @@ const char *emit_stride(const struct emission *e)
 	return e->options->layout == RNEAGEN_SOA ? "count" : "1";
 }
 
+const char *emit_q_stride(const struct emission *e)
+{
+	return e->is_turned ? "1" : emit_stride(e);
+}
+
 static void put_at_sample(const struct argument *a, enum rneagen_layout layout, struct text *out)
 {
 	if (a->per_batch)
@@ -84,7 +89,7 @@ static void put_at_sample(const struct argument *a, enum rneagen_layout layout, 
 
 void emit_put_at_sample(const struct emission *e, const struct argument *a, struct text *out)
 {
-	put_at_sample(a, e->options->layout, out);
+	put_at_sample(a, e->is_turned && !a->is_output ? RNEAGEN_AOS : e->options->layout, out);
 }
 
 static void put_declaration(const struct emission *e, const struct argument *a, enum params kind, struct text *out)
@@ -147,7 +152,7 @@ const char *emit_at_sample(const struct emission *e, const struct function *p, e
 
 	text_init(&t, e->arena);
 	for (const struct argument *a = p->dag.arguments; a < p->dag.arguments + p->dag.argument_count; a++) {
-		put_at_sample(a, layout, &t);
+		put_at_sample(a, e->is_turned && !a->is_output ? RNEAGEN_AOS : layout, &t);
 		text_put(&t, ", ");
 	}
 	text_put(&t, layout == RNEAGEN_SOA ? "count" : "1");

@@ -31,7 +31,8 @@ static void put_row(const struct unparser *u, const char *array, int argument, i
 
 	if (emit_is_carried(u->plan->dag, argument))
 		text_printf(out, "%s[%d*step + l]", array, row);
-	else if (u->plan->dag->arguments[argument].per_batch || u->numbers->is_beside)
+	else if (u->plan->dag->arguments[argument].per_batch || u->numbers->is_beside ||
+		(u->has_samples && argument < DAG_ARGUMENTS && !u->plan->dag->arguments[argument].is_output))
 		text_printf(out, "%s[%d]", array, row);
 	else if (s && s->period && argument == s->divided && row >= s->period)
 		put_divided(s, array, row, out);

@@ -290,7 +290,7 @@ static int slots_for(struct function *const *functions, int count, const struct 
 
 /* Is it better to stage all arrays than to have windows? H100, whole gradients, ps, staged and by windows: iiwa14 194 and 300, in
    f64, 32 KB for a warp, 378 and 450; but of hyq in f32, 41 KB, 745 and 530. */
-static int is_staged(const struct dag *d, const struct rneagen_options *o)
+int stage_holds_all(const struct dag *d, const struct rneagen_options *o)
 {
 	return stage_fits(d, o) && WARP_THREADS * stage_words(d, o) * stage_number_bytes(o) <= STAGED_BYTES;
 }
@@ -316,7 +316,7 @@ int windows_choose(struct function *const *functions, int count, const struct rn
 	if (o->layout != RNEAGEN_AOS || functions[0]->segments.count || !is_many(functions, count))
 		return 1;
 	m.slots = slots_for(functions, count, o, a);
-	if (count == 1 && is_staged(&functions[0]->dag, o))
+	if (count == 1 && stage_holds_all(&functions[0]->dag, o))
 		return 1;
 	done = m.slots == 0 || begin(&m);
 	for (int i = 0; i < count && done && m.slots; i++)

@@ -27,6 +27,9 @@ int stage_words(const struct dag *d, const struct rneagen_options *o);
 int stage_fits(const struct dag *d, const struct rneagen_options *o);
 int stage_has_room(int words, const struct rneagen_options *o);
 
+/* In layout aos: is it better to stage all arrays than to have windows? */
+int stage_holds_all(const struct dag *d, const struct rneagen_options *o);
+
 /* In layout aos, outputs that have no room go through windows: functions, all of one text, share out the outputs. A slot of a
    window holds an element of a warp's samples. Where all slots are taken, the lines of matrices leave that are complete, all
    together, and what is always zero leaves with its neighbours: so few stretches of memory begin or end within a sector. Returns

@@ -43,18 +43,42 @@ enum rnea_code relay_hands(const struct relay *r, const struct device *d, const 
 	return RNEA_OK;
 }
 
+static enum rnea_code refuse_shared(const struct device *d, const struct rnea_function *f, size_t bytes, struct rnea_error *e)
+{
+	return rnea_error_set(e, RNEA_ARGUMENT,
+		"%s takes %zu bytes of shared memory for a block, and the device has %zu: make the text with --parts 2, or more", f->name,
+		bytes, d->most_shared);
+}
+
+static enum rnea_code find_turn(struct relay *r, const struct device *d, void *module, const struct source *s,
+	const struct rnea_function *f, struct rnea_error *e)
+{
+	r->turned_samples = 0;
+	if (!f->turned_samples)
+		return RNEA_OK;
+	if (f->turned_bytes > d->most_shared)
+		return refuse_shared(d, f, f->turned_bytes, e);
+	if (relay_kernel(d, module, s, f, "turn", f->turned_bytes, &r->turn, e))
+		return e->code;
+	r->turn.given_bytes = f->turned_bytes;
+	r->turned_samples = f->turned_samples;
+	r->turned_threads = f->turned_threads;
+	r->outputs = (unsigned)f->output_count;
+	return RNEA_OK;
+}
+
 enum rnea_code relay_find(struct relay *r, const struct device *d, void *module, const struct source *s,
 	const struct rnea_function *f, unsigned block, struct rnea_error *e)
 {
 	r->threads = 0;
+	if (find_turn(r, d, module, s, f, e))
+		return e->code;
 	if (find_hands(r, d, module, s, f, block, e) || r->hand_kernels)
 		return e->code;
 	if (!f->relay_threads)
 		return RNEA_OK;
 	if (f->relay_bytes > d->most_shared)
-		return rnea_error_set(e, RNEA_ARGUMENT,
-			"%s takes %zu bytes of shared memory for a block, and the device has %zu: make the text with --parts 2, or more",
-			f->name, f->relay_bytes, d->most_shared);
+		return refuse_shared(d, f, f->relay_bytes, e);
 	if (relay_kernel(d, module, s, f, "start", 0, &r->start, e) ||
 		relay_kernel(d, module, s, f, "solve", f->relay_bytes, &r->solve, e))
 		return e->code;
@@ -73,4 +97,12 @@ enum rnea_code relay_solve(const struct relay *r, const struct device *d, void *
 
 	along = along > most ? most : along ? along : 1;
 	return device_launch(d, &r->solve, groups, along, r->threads * r->samples, parameters, stream, e);
+}
+
+enum rnea_code relay_turn(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,
+	struct rnea_error *e)
+{
+	if (!r->turned_samples)
+		return RNEA_OK;
+	return device_launch(d, &r->turn, device_blocks(count, r->turned_samples), r->outputs, r->turned_threads, parameters, stream, e);
 }

@@ -107,7 +107,7 @@ END_TEST
 #define SECOND                                                                                                         \
 	"function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts " \
 	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nstart_parts 2\nhands 3\n"                               \
-	"part_kernels 16896 5 64 90\ntiles 0 7 1 2\nthreads 2 96\n"                                                           \
+	"part_kernels 16896 5 64 90\ntiles 0 7 1 2\nthreads 2 96\nturn 16 256 512\n"                                                           \
 	"operations 1 2 3 4 5 6\n"
 
 /* Since version 7 each kernel of hands has a number. */
@@ -152,6 +152,7 @@ START_TEST(reads_functions)
 	ck_assert(f[1].part_count == 5 && f[1].part_block == 64 && f[1].part_arch == 90 && f[0].tile_count == 0 && f[1].tile_count == 2);
 	ck_assert(f[1].tiles[0].argument == 0 && f[1].tiles[0].rows == 7 && f[1].tiles[1].argument == 1 && f[1].tiles[1].rows == 2);
 	ck_assert(f[0].sample_threads == 1 && f[0].most_block == 0 && f[1].sample_threads == 2 && f[1].most_block == 96);
+	ck_assert(f[0].turned_samples == 0 && f[1].turned_samples == 16 && f[1].turned_threads == 256 && f[1].turned_bytes == 512);
 	ck_assert(f[1].stage_bytes == 72 && f[1].parts == 2 && f[1].operations.sincos == 6 && f[1].matrix_count == 0);
 	rnea_info_free(&i);
 }
@@ -221,8 +222,8 @@ static const struct damage {
 	{"rneagen-info\n", "line 1: a number is missing"},
 	{"rneagen-info one\n", "line 1: not a number: \"one\""},
 	{"rneagen-info 1 2\n", "line 1: more than expected: \"2\""},
-	{"rneagen-info 0\n", "it has version 0, and this library reads versions 1 to 9"},
-	{"rneagen-info 10\n", "it has version 10, and this library reads versions 1 to 9"},
+	{"rneagen-info 0\n", "it has version 0, and this library reads versions 1 to 10"},
+	{"rneagen-info 11\n", "it has version 11, and this library reads versions 1 to 10"},
 	{THREE, "it lists no functions"},
 	{"rneagen-info 3\nfunction\n", "line 2: a word is missing"},
 	{"rneagen-info 3\nfunction a b\n", "line 2: more than expected: \"b\""},

@@ -297,16 +297,19 @@ static const struct relayed {
 			     block, where they are more than a warp's */
 	const char *tip;  /* of the robot that far; NULL: all of it */
 	int starts;       /* parts of the first kernel; 1: it is whole */
+	int is_aos;       /* outputs are turned by a fourth kernel */
 } RELAYED[] = {
-	{"hyq", RNEAGEN_F32, 1, 0, "1 528 64", NULL, 1},
-	{"hyq", RNEAGEN_F64, 1, 0, "2 264", NULL, 1},
-	{"shadow_hand_right", RNEAGEN_F64, 0, 0, "1 528", NULL, 1},
-	{"panda", RNEAGEN_F64, 1, 1, "1 528", NULL, 1},
-	{"atlas", RNEAGEN_F32, 0, 0, "1 528 64", "l_hand,l_foot", 2},
-	{"atlas", RNEAGEN_F64, 0, 0, "1 528", "l_hand,l_foot", 2},
+	{"hyq", RNEAGEN_F32, 1, 0, "1 528 64", NULL, 1, 0},
+	{"hyq", RNEAGEN_F64, 1, 0, "2 264", NULL, 1, 0},
+	{"shadow_hand_right", RNEAGEN_F64, 0, 0, "1 528", NULL, 1, 0},
+	{"panda", RNEAGEN_F64, 1, 1, "1 528", NULL, 1, 0},
+	{"atlas", RNEAGEN_F32, 0, 0, "1 528 64", "l_hand,l_foot", 2, 0},
+	{"atlas", RNEAGEN_F64, 0, 0, "1 528", "l_hand,l_foot", 2, 0},
+	{"hyq", RNEAGEN_F32, 1, 0, "1 528 64", NULL, 1, 1},
+	{"atlas", RNEAGEN_F64, 0, 1, "1 528 32", "l_hand,l_foot", 2, 1},
 	/* where all is asked for: compilers take long; g1_29dof: from each limb's loop on to one of all columns */
-	{"g1_29dof", RNEAGEN_F32, 1, 0, "2 528", NULL, 1},
-	{"atlas", RNEAGEN_F64, 0, 1, "2 264", NULL, 2},
+	{"g1_29dof", RNEAGEN_F32, 1, 0, "2 528", NULL, 1, 0},
+	{"atlas", RNEAGEN_F64, 0, 1, "2 264", NULL, 2, 0},
 };
 enum { RELAYED_COUNT = sizeof RELAYED / sizeof *RELAYED, LONG_COUNT = 2 };
 
@@ -370,6 +373,7 @@ START_TEST(relay)
 	o.base = x->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	o.target = RNEAGEN_TARGET_CUDA;
 	o.precision = x->precision;
+	o.layout = x->is_aos ? RNEAGEN_AOS : RNEAGEN_SOA;
 	o.name = "relayed";
 	ck_assert_msg(!scene_open(&m, urdf, &o), "%s: %s", x->name, m.error.message);
 	target_generate(&t, urdf, length, &o, "relayed");
@@ -378,7 +382,8 @@ START_TEST(relay)
 	ck_assert_msg(strstr(t.text.source, "\"relay ") && strstr(t.text.source, line), "%s is no relay", x->name);
 	ck_assert(!!strstr(t.text.source, "reduced[") == !strcmp(x->name, "g1_29dof"));
 	ck_assert_msg((x->starts > 1) == !!strstr(t.text.source, "\"start_parts 2\\n\""), "%s: parts of the first kernel", x->name);
-	check_slices(t.text.source, x->starts > 1 && x->precision == RNEAGEN_F64);
+	check_slices(t.text.source, x->starts > 1 && x->precision == RNEAGEN_F64 && !x->is_aos);
+	ck_assert(!!strstr(t.text.source, "\"turn 16 ") == x->is_aos);
 	/* without limbs it is the same but where the batch is small: in the short form of hyq in f64 and of atlas in f32 */
 	if (exhaustive() ? _i < RELAYED_COUNT - LONG_COUNT : _i == 1 || _i == 4)
 		run_on(&m, &o, &t, RNEA_BACKEND_CUDA, SEED);

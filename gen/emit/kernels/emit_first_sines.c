@@ -70,13 +70,13 @@ const char *emit_table_param(const struct emission *e, const struct function *p)
 
 const char *emit_table_arguments(const struct emission *e)
 {
-	int rows = e->options->layout == RNEAGEN_SOA ? 1 : emit_main(e)->dag.arguments[0].rows;
+	int rows = e->options->layout == RNEAGEN_SOA && !e->is_turned ? 1 : emit_main(e)->dag.arguments[0].rows;
 	struct text t;
 
 	text_init(&t, e->arena);
 	text_put(&t, "q + begin");
 	if (rows != 1)
 		text_printf(&t, "*%d", rows);
-	text_printf(&t, ", %s, %d, here, %s_across", emit_stride(e), rows, e->options->name);
+	text_printf(&t, ", %s, %d, here, %s_across", emit_q_stride(e), rows, e->options->name);
 	return text_string(&t);
 }

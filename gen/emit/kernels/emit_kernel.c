@@ -10,7 +10,9 @@
 #include "emit/kernels/emit_segments_kernel.h"
 #include "emit/kernels/slices/emit_slices.h"
 #include "emit/kernels/emit_tiles.h"
+#include "emit/kernels/emit_turn.h"
 #include "plan/stage.h"
+#include "plan/turned.h"
 
 static const struct dag *arguments_of(const struct emission *e)
 {
@@ -68,7 +70,7 @@ static const char *handed_text(const struct emission *e, const struct function *
 static const char *direct_call(const struct emission *e, const struct work *w)
 {
 	const struct call there = {.indent = "\t", .arguments = emit_params(e, w->function, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
-		.stride = emit_stride(e), .is_optimistic = emit_is_of_main(e, w->function) && emit_is_optimistic(e), .part = w->part,
+		.stride = emit_stride(e), .q_stride = emit_q_stride(e), .is_optimistic = emit_is_of_main(e, w->function) && emit_is_optimistic(e), .part = w->part,
 		.handed = handed_text(e, w->function)};
 
 	return emit_call(e, w->function, &there);
@@ -138,7 +140,7 @@ static void put_work(const struct emission *e, const struct work *w, struct text
 	const struct slot slots[] = {
 		{"HEAD", head_text(e, w)}, {"NAME", e->options->name}, {"FUNCTION", w->function->algorithm->name}, {"T", e->memory->type},
 		{"SPILL", emit_spill(e)}, {"ZEROS", zeros_text(e, w->function)},
-		{"CALL", kernel_call(e, w, &s)}, {"PREFETCH", prefetch_text(e, w->function)},
+		{"CALL", kernel_call(e, w, &s)}, {"TURN", emit_turn_begin(e)}, {"PREFETCH", prefetch_text(e, w->function)},
 		{"DECLARATION", w->part ? "" : emit_slices_declaration(e, emit_stage_words(e))},
 		{"SLICES", s.slices}, {"POINTERS", s.pointers}, {"MOVE_IN", s.move_in}, {"MOVE_OUT", s.move_out}, {"JOIN", s.join},
 		{"IN_PLACE", in_place_text(e, w->part)}, {"BLOCK", has_threads ? "RNEA_BLOCK" : "blockDim.x"},
@@ -264,6 +266,8 @@ static void put_function_of(const struct emission *e, const struct function *p, 
 
 void emit_kernels(const struct emission *e, struct text *out)
 {
+	if (e->is_turned)
+		text_printf(out, "#define RNEA_TURN %d /* samples whose outputs are turned at a time */\n\n", TURNED_SAMPLES);
 	emit_zeros(e, out);
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	emit_parts_small(e, 0, out);
@@ -283,6 +287,7 @@ void emit_kernels(const struct emission *e, struct text *out)
 		else
 			put_function_of(e, &e->functions[i], out);
 	text_put(out, emit_alone_least(e) ? "#endif\n" : "");
+	emit_turn(e, out);
 	if (emit_has_limbs(e))
 		emit_limbs(e, out);
 }
@@ -296,7 +301,7 @@ int emit_is_streamed(const struct emission *e)
 {
 	int has_matrix = request_wants_derivative(e->request) || request_wants(e->request, WANT_REGRESSOR);
 
-	return e->target->kernel && has_matrix && e->options->layout == RNEAGEN_SOA && !emit_is_staged(e);
+	return e->target->kernel && has_matrix && (e->options->layout == RNEAGEN_SOA || e->is_turned) && !emit_is_staged(e);
 }
 
 int emit_stores_to_tiles(const struct emission *e)

@@ -5,6 +5,7 @@
 #include "emit/kernels/emit_limbs.h"
 #include "emit/kernels/emit_parts.h"
 #include "emit/kernels/emit_relay.h"
+#include "emit/kernels/emit_turn.h"
 #include "plan/stage.h"
 #include <stdlib.h>
 
@@ -234,7 +235,7 @@ static const char *solve_call(const struct emission *e)
 	const char *arguments = text_format(e->arena, "%s, across, RNEA_SOLVE_SAMPLES",
 		emit_params(e, solve_of(e), PARAMS_AT_SAMPLE));
 	const struct call c = {.indent = "\t\t", .arguments = arguments, .q = emit_q_at_sample(e),
-		.stride = emit_stride(e)};
+		.stride = emit_stride(e), .q_stride = emit_q_stride(e)};
 
 	return emit_call(e, solve_of(e), &c);
 }
@@ -248,9 +249,20 @@ void emit_relay_solve(const struct emission *e, struct text *out)
 		{"KNOWN_PARAM", emit_known_params(e)}, {"KNOWN", emit_handed_on(e, emit_known_names(e))},
 		{"THREADS", emit_int(e, e->relay->threads)}, {"SAMPLES", emit_int(e, e->relay->samples)},
 		{"BYTES", emit_int(e, emit_relay_bytes(e))}, {"BLOCKS", emit_int(e, e->relay->blocks)},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"CALL", solve_call(e)}, {"LOOPS", loops_text(e)}};
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"TURN", emit_turn_begin(e)}, {"CALL", solve_call(e)}, {"LOOPS", loops_text(e)}};
 
 	template_expand(out, template_kernel_solve_in, slots, sizeof slots / sizeof *slots);
+}
+
+/* How the function begins that launches all three. */
+static const char *last_head(const struct emission *e)
+{
+	const char *unturned = emit_launch_unturned(e);
+
+	return unturned ? unturned : text_format(e->arena,
+		"/* Run the kernels on device pointers in the caller's stream (a cudaStream_t), each when the one before it is done:\n"
+		"   accelerations, what their gradients are solved from, and these. Returns the cudaError_t. */\n"
+		"extern \"C\" int %s_%s_launch", e->options->name, emit_main(e)->algorithm->name);
 }
 
 const char *emit_launch_relay(const struct emission *e)
@@ -263,7 +275,7 @@ const char *emit_launch_relay(const struct emission *e)
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)},
 		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"ROOM", emit_int(e, e->relay->room)},
-		{"LAUNCH_LIMBS", emit_launch_start_limbs(e)}, {"START_PARTS", emit_along(e, e->relay->start_count)}};
+		{"HEAD", last_head(e)}, {"LAUNCH_LIMBS", emit_launch_start_limbs(e)}, {"START_PARTS", emit_along(e, e->relay->start_count)}};
 
 	return template_text(e->arena, template_launch_relay_in, slots, sizeof slots / sizeof *slots);
 }
@@ -276,6 +288,8 @@ const char *emit_launch_head(const struct emission *e)
 	text_init(&t, e->arena);
 	if (e->relay)
 		text_printf(&t, "/* The second kernel. */\nstatic int %s_%s_launch_columns", e->options->name, function);
+	else if (e->is_turned)
+		text_put(&t, emit_launch_unturned(e));
 	else
 		text_printf(&t, "/* Run the kernel on device pointers in the caller's stream (a cudaStream_t); returns the cudaError_t. */\n"
 			"extern \"C\" int %s_%s_launch", e->options->name, function);

@@ -88,7 +88,7 @@ static int build_alone(struct dag *d, const struct request *alone, const struct 
 	return 1;
 }
 
-/* In parts where limbs share nothing, else in segments where that pays. */
+/* In parts where limbs share nothing, else in segments where that pays, unless outputs are turned. */
 static int divide_start(
 	struct relay *r, const struct dag *raw, const struct request *alone, const struct parts_of *x, struct arena *a)
 {
@@ -97,7 +97,7 @@ static int divide_start(
 
 	if (raw && !apart_make(&r->starts, &r->start_count, &own, a))
 		return 0;
-	return r->start_count || segments_choose(&r->start.function, SEGMENT_KERNEL, alone, x->options, a);
+	return r->start_count || x->is_turned || segments_choose(&r->start.function, SEGMENT_KERNEL, alone, x->options, a);
 }
 
 static int build_start(struct relay *r, struct share *share, const char *name, const struct parts_of *x, struct arena *spare,

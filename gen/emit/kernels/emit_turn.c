@@ -1,0 +1,91 @@
+/* Kernels that write outputs as in soa, some samples at a time, and the kernel that turns these to [sample][row]. */
+#include "emit/kernels/emit_turn.h"
+#include "base/template.h"
+#include "plan/stage.h"
+#include "plan/turned.h"
+
+static const struct dag *arguments_of(const struct emission *e)
+{
+	return &emit_main(e)->dag;
+}
+
+static int bytes_of(const struct emission *e)
+{
+	return turned_bytes(arguments_of(e), e->options);
+}
+
+/* `array + k` is then the sample's first row, and `count` the way to the next one. */
+const char *emit_turn_begin(const struct emission *e)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	if (!e->is_turned)
+		return text_string(&t);
+	text_put(&t, "\tconst size_t group = k - k%RNEA_TURN;\n\n"
+		"\t/* outputs stand as [row][sample], RNEA_TURN samples at a time, until they are turned */\n"
+		"\tcount = count - group < RNEA_TURN ? count - group : RNEA_TURN;\n");
+	for (int i = 0; i < d->argument_count; i++)
+		if (d->arguments[i].is_output)
+			text_printf(&t, "\t%s += group*%d;\n", d->arguments[i].name, d->arguments[i].rows - 1);
+	return text_string(&t);
+}
+
+static const char *cases_text(const struct emission *e, int *outputs)
+{
+	const struct dag *d = arguments_of(e);
+	struct text t;
+
+	text_init(&t, e->arena);
+	*outputs = 0;
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+
+		if (a->is_output)
+			text_printf(&t, "\tcase %d:\n\t\trneagen_turn<%d>(%s + first*%d, samples, slices);\n\t\tbreak;\n", (*outputs)++, a->rows,
+				a->name, a->rows);
+	}
+	return text_string(&t);
+}
+
+void emit_turn(const struct emission *e, struct text *out)
+{
+	int outputs;
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", emit_main(e)->algorithm->name}, {"T", e->memory->type},
+		{"THREADS", emit_int(e, TURNED_THREADS)}, {"BYTES", emit_int(e, bytes_of(e))},
+		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"CASES", cases_text(e, &outputs)}};
+
+	if (e->is_turned)
+		template_expand(out, template_turn_in, slots, sizeof slots / sizeof *slots);
+}
+
+const char *emit_launch_turn(const struct emission *e)
+{
+	const struct function *p = emit_main(e);
+	int outputs;
+
+	if (!e->is_turned)
+		return "";
+	cases_text(e, &outputs);
+	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
+		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
+		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"SHARED_BYTES", emit_int(e, SHARED_BYTES)},
+		{"OUTPUTS", emit_int(e, outputs)}};
+
+	return template_text(e->arena, template_turn_launch_in, slots, sizeof slots / sizeof *slots);
+}
+
+const char *emit_launch_unturned(const struct emission *e)
+{
+	if (!e->is_turned)
+		return NULL;
+	return text_format(e->arena, "/* All kernels but the last. */\nstatic int %s_%s_launch_unturned", e->options->name,
+		emit_main(e)->algorithm->name);
+}
+
+void emit_info_turn(const struct emission *e, struct text *out)
+{
+	if (e->is_turned)
+		text_printf(out, "turn %d %d %d\n", TURNED_SAMPLES, TURNED_THREADS, bytes_of(e));
+}

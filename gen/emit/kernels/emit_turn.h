@@ -1,0 +1,20 @@
+#ifndef RNEAGEN_EMIT_TURN_H
+#define RNEAGEN_EMIT_TURN_H
+/* Outputs that are turned at the end, in layout aos (plan/turned.h); "" where a text has none. */
+
+#include "emit/emit.h"
+
+/* At the beginning of a kernel: of each output where the thread's block of samples stands, and its samples for a stride. */
+const char *emit_turn_begin(const struct emission *e);
+
+/* The last kernel; its launch, behind those of the others. */
+void emit_turn(const struct emission *e, struct text *out);
+const char *emit_launch_turn(const struct emission *e);
+
+/* How the function begins that launches the others; where it is not the last one, NULL. */
+const char *emit_launch_unturned(const struct emission *e);
+
+/* Its line of the table for librnea. */
+void emit_info_turn(const struct emission *e, struct text *out);
+
+#endif

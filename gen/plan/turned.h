@@ -1,0 +1,24 @@
+#ifndef RNEAGEN_TURNED_H
+#define RNEAGEN_TURNED_H
+/* In layout aos, outputs that kernels write as in soa: of some samples at a time, the block's, as [row][sample], where these samples'
+   [sample][row] belongs. A last kernel turns each block, in its place. So threads write whole sectors, and matrices have the parts,
+   the kernels and the relays of soa. */
+
+#include "plan/plan.h"
+
+/* Samples of a block: 64 bytes of floats. From one row to the next in shared memory, so that threads are in different banks. */
+enum { TURNED_SAMPLES = 16, TURNED_PITCH = TURNED_SAMPLES + 1 };
+
+/* Threads of the last kernel. */
+enum { TURNED_THREADS = 256 };
+
+/* May this be done with the arrays of a function, if it has parts for matrices or is a relay's? Not where all have room as slices. */
+int turned_may_be(const struct dag *d, const struct rneagen_options *o);
+
+/* What the kernels are planned and written by: these options, in layout soa where outputs are turned. */
+struct rneagen_options turned_options(const struct rneagen_options *o, int is_turned);
+
+/* Shared memory of the last kernel. */
+int turned_bytes(const struct dag *d, const struct rneagen_options *o);
+
+#endif
