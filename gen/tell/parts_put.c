@@ -13,7 +13,7 @@ void parts_put_table(const struct emission *e, struct text *out)
 
 		text_printf(out, "  %-10d %3d..%-3d %6u %6d%s", i, e->tree->bodies[p->first].number,
 			e->tree->bodies[p->last].number, plan_flops(part_operations(p)), p->alive,
-			p->is_hand ? "  hand: in a kernel before" : "");
+			p->is_hand ? "  in a kernel before" : "");
 		if (p->joints)
 			text_printf(out, "  motion made again, by stretches of at most %d joints", p->joints);
 		if (p->function.each)

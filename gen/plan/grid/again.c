@@ -339,6 +339,7 @@ static int cost_of(struct cost *c, const struct dag *share, int joints, const st
 		c->waits = plan_waits(&p.function.plan, ROOM, &spare);
 		c->operations = plan_flops(plan_operations(&p.function.plan)) + COST_BEYOND * (double)c->waits.beyond;
 	}
+	is_built = is_built && !spare.failed;
 	arena_free(&spare);
 	return is_built;
 }

@@ -25,12 +25,20 @@ struct kernel {
 	int *owner, count; /* by output: its part; parts */
 };
 
+/* In aos: is there an array of tau, whose place mu takes? All of tau, or of qd, may be given. */
+static int has_places(const struct parts_of *x)
+{
+	return x->options->layout != RNEAGEN_AOS || dag_find_role(x->raw, ROLE_JOINT_TORQUE, 0) == PERIODS - 1;
+}
+
 static int is_served(const struct parts_of *x)
 {
 	const struct rneagen_options *o = x->options;
 	const struct request *k = x->request;
 
-	if (!x->has_kernels || !x->is_unpruned || o->strict || (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64))
+	if (!x->has_kernels || !x->is_unpruned || !has_places(x) || o->strict || k->refine_steps)
+		return 0;
+	if (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64)
 		return 0;
 	return k->is_forward && k->stored_count == 1 && k->wants[0].kind == WANT_VJP && request_is_plain_product(k, &k->vjp);
 }
@@ -74,8 +82,7 @@ static int begin(struct kernel kernels[KERNELS], struct want *qdd, const struct 
 	const int *kernel;
 
 	dag_init(&raw, spare);
-	algorithm_build_handed(&raw, x->tree, x->request);
-	kernel = raw.failed ? NULL : kernels_of(&raw, x->tree->nv, spare);
+	kernel = algorithm_build_handed(&raw, x->tree, x->request) && !raw.failed ? kernels_of(&raw, x->tree->nv, spare) : NULL;
 	if (!kernel || !share_begin(&share, &raw, kernel, spare))
 		return 0;
 	*qdd = (struct want){.kind = WANT_QDD, .word = "qdd", .argument = "qdd", .rows = x->tree->nv};

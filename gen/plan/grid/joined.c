@@ -42,6 +42,23 @@ static void take(struct finder *f, uint32_t node, int output)
 		f->output[node] = output + 1;
 }
 
+/* What reads a row that a kernel before has left is joined to what writes it. */
+static void take_left(struct finder *f)
+{
+	const struct dag *d = f->d;
+
+	for (size_t i = 0; i < d->count; i++)
+		for (int k = 0; k < op_arity[d->nodes[i].op] && f->output[i]; k++) {
+			const struct node *n = &d->nodes[d->nodes[i].arg[k].i];
+
+			if (n->op != OP_INPUT || n->arg[0].i == DAG_STRUCK || !d->arguments[n->arg[0].i].is_output)
+				continue;
+			for (size_t o = 0; o < d->output_count; o++)
+				if (d->outputs[o].argument == (int)n->arg[0].i && d->outputs[o].row == (int)n->arg[1].i)
+					f->joined[root_of(f, f->output[i] - 1)] = root_of(f, (int)o);
+		}
+}
+
 static int find(struct finder *f, const struct dag *d, int rows, struct arena *a)
 {
 	*f = (struct finder){.d = d, .rows = rows, .varies = arena_alloc(a, d->count, 1),
@@ -63,6 +80,7 @@ static int find(struct finder *f, const struct dag *d, int rows, struct arena *a
 	for (size_t i = d->count; i-- > 0;)
 		for (int k = 0; k < op_arity[d->nodes[i].op] && f->output[i]; k++)
 			take(f, d->nodes[i].arg[k].i, f->output[i] - 1);
+	take_left(f);
 	return 1;
 }
 

@@ -66,6 +66,7 @@ static const struct subject {
 	{"hyq", "vjp qdd\n", RNEAGEN_F64, RNEAGEN_AOS, 1, 1, {1}, 0},
 	{"limbs 1 10", "vjp qdd\nfree payload.l0_6:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {1}, 1},
 	{"limbs 3 8", "vjp qdd\nfree gravity\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 3, {3}, 1},
+	{"hyq", "vjp qdd\nfold tau=0\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1}, 1},
 };
 
 /* The others: a base that moves, few operations, rows that stand apart, slices without room, other outputs, refinement, a
@@ -88,6 +89,9 @@ static const struct subject WHOLE[] = {
 	{"g1_29dof", "want qdd\n", RNEAGEN_MIXED, RNEAGEN_AOS, 0, 1, {0}, 0},
 	{"panda", "vjp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {0}, 0}, /* it holds little */
 	{"hyq", "vjp qdd\n", RNEAGEN_F32, RNEAGEN_AOS, 1, 1, {0}, 1},
+	{"hyq", "vjp qdd\nfold tau=0\n", RNEAGEN_F64, RNEAGEN_AOS, 1, 1, {0}, 0}, /* mu takes the place of tau */
+	{"hyq", "vjp qdd\nfold qd=0\n", RNEAGEN_F64, RNEAGEN_AOS, 1, 1, {0}, 1},
+	{"hyq", "vjp qdd\nrefine 1\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {0}, 1},
 	{"hyq", "want qdd\nvjp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {0}, 1},
 	{"g1_29dof", "want qdd,qdd_bound\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {0}, 0},
 	{"chain_75", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, {0}, 1}, /* parts would be staged, and leave rows of their slices unwritten */
