@@ -297,6 +297,19 @@ static int zero_runs(const struct emission *e, int argument, struct text *out)
 	return emit_zero_runs(e, d, d->outputs, d->output_count, argument, out);
 }
 
+/* Of a relay the third kernel reads zeros where the second one leaves them. */
+static int has_late_zeros(const struct emission *e)
+{
+	return e->is_turned && !e->relay;
+}
+
+int emit_late_zeros(const struct emission *e, int argument)
+{
+	struct text runs;
+
+	return has_late_zeros(e) && emit_has_zeros(e, emit_main(e)) ? zero_runs(e, argument, &runs) : 0;
+}
+
 void emit_zeros(const struct emission *e, struct text *out)
 {
 	const struct dag *d = &emit_main(e)->dag;
@@ -313,6 +326,11 @@ void emit_zeros(const struct emission *e, struct text *out)
 		if (count)
 			template_expand(&tables, template_zeros_table_in, slots, sizeof slots / sizeof *slots);
 	}
+	if (has_late_zeros(e)) {
+		text_printf(out, "/* Elements that are zero whatever the inputs are: from a row on, so many rows. The last kernel writes them. */\n%s\n",
+			text_string(&tables));
+		return;
+	}
 	const struct slot slots[] = {{"T", e->memory->type}, {"TABLES", text_string(&tables)}};
 
 	template_expand(out, e->target->kernel->zeros, slots, sizeof slots / sizeof *slots);
@@ -324,7 +342,7 @@ const char *emit_zero_loops(const struct emission *e, const char *first, const c
 	struct text loops, runs, place;
 
 	text_init(&loops, e->arena);
-	for (int i = 0; i < d->argument_count && emit_has_zeros(e, emit_main(e)); i++) {
+	for (int i = 0; i < d->argument_count && emit_has_zeros(e, emit_main(e)) && !has_late_zeros(e); i++) {
 		const struct argument *a = &d->arguments[i];
 		int count = zero_runs(e, i, &runs);
 

@@ -20,7 +20,7 @@ int turned_bytes(const struct dag *d, const struct rneagen_options *o)
 	for (int i = 0; i < d->argument_count; i++)
 		if (d->arguments[i].is_output && d->arguments[i].rows > rows)
 			rows = d->arguments[i].rows;
-	return rows * TURNED_PITCH * stage_number_bytes(o);
+	return rows * (TURNED_PITCH * stage_number_bytes(o) + 1); /* and which rows are zero */
 }
 
 int turned_may_be(const struct dag *d, const struct rneagen_options *o)

@@ -42,9 +42,11 @@ static const char *cases_text(const struct emission *e, int *outputs)
 	for (int i = 0; i < d->argument_count; i++) {
 		const struct argument *a = &d->arguments[i];
 
+		int zeros = emit_late_zeros(e, i);
+
 		if (a->is_output)
-			text_printf(&t, "\tcase %d:\n\t\trneagen_turn<%d>(%s + first*%d, samples, slices);\n\t\tbreak;\n", (*outputs)++, a->rows,
-				a->name, a->rows);
+			text_printf(&t, "\tcase %d:\n\t\trneagen_turn<%d, %d>(%s + first*%d, samples, slices, %s);\n\t\tbreak;\n", (*outputs)++,
+				a->rows, zeros, a->name, a->rows, zeros ? text_format(e->arena, "%s_%s_zeros", e->options->name, a->name) : "0");
 	}
 	return text_string(&t);
 }
