@@ -326,7 +326,8 @@ static void kernel_slots(const struct emission *e, const char *kernels, struct s
 		{"EACH", p->segments.count ? template_launch_segments_in : ""}, {"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"},
 		{"MIN_BLOCKS", emit_min_blocks(e)}, {"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)},
 		{"STORE", emit_store(e)}, {"KERNELS", kernels}, {"LAUNCH_HEAD", emit_launch_head(e)}, {"LAUNCH_HANDS", emit_launch_hands(e)},
-		{"LAUNCH_RELAY", emit_launch_relay(e)}, {"LAUNCH_TURN", emit_launch_turn(e)}, {"LAUNCH_ALONE", emit_launch_alone(e)}, {"TILES_LAUNCH", emit_tiles_launch(e)},
+		{"LAUNCH_RELAY", emit_launch_relay(e)}, {"LAUNCH_TURN", emit_launch_turn(e)},
+		{"LAUNCH_ALONE", emit_launch_alone(e)}, {"TILES_LAUNCH", emit_tiles_launch(e)},
 		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e, "kernel")}, {"LAUNCH_LIMBS", emit_launch_limbs(e)}};
 
 	add_slots(s, more, sizeof more / sizeof *more);

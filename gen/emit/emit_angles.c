@@ -321,8 +321,10 @@ static const char *meet_text(const struct emission *e, const struct call *c)
 static const char *call_expanded(const struct emission *e, const struct function *p, const char *frame, const char *asked,
 	const struct call *c)
 {
+	int is_in_array = c->part || c->is_tiled;
+	const char *stride = e->is_turned && c->q_stride ? c->q_stride : c->stride;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"INDENT", c->indent},
-		{"Q", c->part || c->is_tiled ? emit_q_at_sample(e) : c->q}, {"Q_STRIDE", c->part || c->is_tiled ? emit_q_stride(e) : e->is_turned && c->q_stride ? c->q_stride : c->stride},
+		{"Q", is_in_array ? emit_q_at_sample(e) : c->q}, {"Q_STRIDE", is_in_array ? emit_q_stride(e) : stride},
 		{"TABLE", table_of(e, p)->algorithm->name},
 		{"STRIDE", stride_text(e, p, c)}, {"ARGUMENTS", c->arguments}, {"SINES", declarations_text(e, p, c->indent)},
 		{"ASKED", asked}, {"MEET", meet_text(e, c)}, {"UNKNOWN", emit_unknown_names(e)}, {"TABLES", tables_text(e, p, "", "sines")},

@@ -327,8 +327,8 @@ void emit_zeros(const struct emission *e, struct text *out)
 			template_expand(&tables, template_zeros_table_in, slots, sizeof slots / sizeof *slots);
 	}
 	if (has_late_zeros(e)) {
-		text_printf(out, "/* Elements that are zero whatever the inputs are: from a row on, so many rows. The last kernel writes them. */\n%s\n",
-			text_string(&tables));
+		text_printf(out, "/* Elements that are zero whatever the inputs are: from a row on, so many rows. The last kernel writes "
+			"them. */\n%s\n", text_string(&tables));
 		return;
 	}
 	const struct slot slots[] = {{"T", e->memory->type}, {"TABLES", text_string(&tables)}};

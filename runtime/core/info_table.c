@@ -117,7 +117,8 @@ static int is_optional(const struct parser *p, enum key key)
 {
 	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS || key == KEY_RELAY ||
 	       key == KEY_START_LIMBS || key == KEY_START_PARTS || key == KEY_WHOLE_LIMBS || key == KEY_HANDS || key == KEY_KERNELS ||
-	       key == KEY_PART_KERNELS || key == KEY_TILES || key == KEY_THREADS || key == KEY_TURN || (key == KEY_PARTS && p->version != VERSION_PARTS);
+	       key == KEY_PART_KERNELS || key == KEY_TILES || key == KEY_THREADS || key == KEY_TURN ||
+	       (key == KEY_PARTS && p->version != VERSION_PARTS);
 }
 
 /* Whether a key that has to be there is. */

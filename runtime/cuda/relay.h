@@ -1,7 +1,8 @@
 #ifndef RNEA_RELAY_H
 #define RNEA_RELAY_H
 /* A relay: a launch of the first function runs three kernels, one after the other, and its own is the second of them; or two, a
-   kernel for hands and its own; of robots with long arms more kernels for hands. After any of these one that turns outputs may run. */
+   kernel for hands and its own; of robots with long arms more kernels for hands. After any of these one that turns outputs may
+   run. */
 
 #include "cuda/device.h"
 #include "rnea.h"

@@ -70,7 +70,8 @@ static const char *handed_text(const struct emission *e, const struct function *
 static const char *direct_call(const struct emission *e, const struct work *w)
 {
 	const struct call there = {.indent = "\t", .arguments = emit_params(e, w->function, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
-		.stride = emit_stride(e), .q_stride = emit_q_stride(e), .is_optimistic = emit_is_of_main(e, w->function) && emit_is_optimistic(e), .part = w->part,
+		.stride = emit_stride(e), .q_stride = emit_q_stride(e),
+		.is_optimistic = emit_is_of_main(e, w->function) && emit_is_optimistic(e), .part = w->part,
 		.handed = handed_text(e, w->function)};
 
 	return emit_call(e, w->function, &there);

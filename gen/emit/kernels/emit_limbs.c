@@ -233,7 +233,8 @@ static void put_crew(const struct emission *e, const struct crew *c, struct text
 	const char *lines = warps_text(e, c);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", c->named->algorithm->name}, {"T", e->numbers->value},
 		{"MACRO", c->macro}, {"WARPS", emit_int(e, s->warps)}, {"WORDS", emit_int(e, s->words)},
-		{"GROUPS", emit_int(e, s->groups)}, {"JOIN", join_text(e, s, lines)}, {"LIMBS", lines}, {"CASES", cases_text(e, c)}, {"TURN", emit_turn_begin(e)},
+		{"GROUPS", emit_int(e, s->groups)}, {"JOIN", join_text(e, s, lines)}, {"LIMBS", lines}, {"CASES", cases_text(e, c)},
+		{"TURN", emit_turn_begin(e)},
 		{"FIRST", first_text(e, c)},
 		{"MOST", emit_int(e, (int)s->most)}, {"BYTES", emit_int(e, emit_limbs_bytes(e, s))},
 		{"PART", has_parts ? "blockIdx.y*RNEA_LIMBS + " : ""},

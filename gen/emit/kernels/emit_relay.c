@@ -249,7 +249,8 @@ void emit_relay_solve(const struct emission *e, struct text *out)
 		{"KNOWN_PARAM", emit_known_params(e)}, {"KNOWN", emit_handed_on(e, emit_known_names(e))},
 		{"THREADS", emit_int(e, e->relay->threads)}, {"SAMPLES", emit_int(e, e->relay->samples)},
 		{"BYTES", emit_int(e, emit_relay_bytes(e))}, {"BLOCKS", emit_int(e, e->relay->blocks)},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"TURN", emit_turn_begin(e)}, {"CALL", solve_call(e)}, {"LOOPS", loops_text(e)}};
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"TURN", emit_turn_begin(e)}, {"CALL", solve_call(e)},
+		{"LOOPS", loops_text(e)}};
 
 	template_expand(out, template_kernel_solve_in, slots, sizeof slots / sizeof *slots);
 }

@@ -27,7 +27,7 @@ const char *emit_turn_begin(const struct emission *e)
 		"\t/* outputs stand as [row][sample], RNEA_TURN samples at a time, until they are turned */\n"
 		"\tcount = count - group < RNEA_TURN ? count - group : RNEA_TURN;\n");
 	for (int i = 0; i < d->argument_count; i++)
-		if (d->arguments[i].is_output)
+		if (d->arguments[i].is_output && d->arguments[i].rows > 1)
 			text_printf(&t, "\t%s += group*%d;\n", d->arguments[i].name, d->arguments[i].rows - 1);
 	return text_string(&t);
 }
@@ -41,7 +41,6 @@ static const char *cases_text(const struct emission *e, int *outputs)
 	*outputs = 0;
 	for (int i = 0; i < d->argument_count; i++) {
 		const struct argument *a = &d->arguments[i];
-
 		int zeros = emit_late_zeros(e, i);
 
 		if (a->is_output)

@@ -232,7 +232,8 @@ static void expect_text(const struct subject *s, const char *source)
 	ck_assert_ptr_nonnull(strstr(source, line));
 	snprintf(line, sizeof line, "gridDim.y != %d)", s->parts);
 	ck_assert_ptr_nonnull(strstr(source, line));
-	ck_assert_ptr_nonnull(strstr(source, finds_first(s) ? "the rest, where both are found" : s->parts > 1 || s->hands[0] ? "limbs that share nothing with the others"
+	ck_assert_ptr_nonnull(strstr(source, finds_first(s) ? "the rest, where both are found"
+		: s->parts > 1 || s->hands[0] ? "limbs that share nothing with the others"
 								   : "the whole, where some of the motion is made again"));
 	ck_assert_int_eq(strstr(source, " = RNEA_READ_ANEW(") != NULL, strstr(s->scene, "vjp") != NULL && s->precision == RNEAGEN_F64 &&
 		(strcmp(s->name, "atlas") || finds_first(s)));
