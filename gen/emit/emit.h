@@ -55,7 +55,7 @@ static inline int emit_is_apart(const struct emission *e)
 	return parts_are_apart(e->parts, e->part_count);
 }
 
-/* Is the main function in parts for matrices, in layout soa? In aos outputs leave through the windows of the whole. */
+/* Is the main function in parts for matrices, which write as in soa? In aos without that outputs leave through windows. */
 static inline int emit_has_columns(const struct emission *e)
 {
 	return e->part_count && !emit_is_apart(e) && (e->options->layout == RNEAGEN_SOA || e->is_turned);
@@ -255,7 +255,7 @@ const char *emit_prototypes(const struct emission *e);
 int emit_has_batches(const struct emission *e);
 
 /* Mark the arguments that these lines read or write. Returns whether they need the stride from row to row. */
-int emit_mark_arguments(const struct plan *p, unsigned char *used);
+int emit_mark_arguments(const struct emission *e, const struct plan *p, unsigned char *used);
 
 /* What a segment reads and writes: these arguments, and of what goes across, wide or not, whether any, and whether beyond the
    first. */
@@ -264,7 +264,7 @@ struct touched {
 	int across[2], step, stride;
 };
 
-struct touched emit_touched(const struct plan *p);
+struct touched emit_touched(const struct emission *e, const struct plan *p);
 
 /* Parameters that these lines, some or all of the function's, do not read: `prefix` goes before the names of what each sample
    has its own of. */

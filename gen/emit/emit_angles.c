@@ -262,7 +262,7 @@ static const char *each_text(const struct emission *e, const struct function *p)
 	put_each(e, p, e->numbers, "", &t);
 	if (e->wide)
 		put_each(e, p, e->wide, "_wide", &t);
-	if (!any_has_stride(emit_angles(e, p, 0)) && !(e->wide && any_has_stride(emit_angles(e, p, 1))))
+	if (e->is_turned || (!any_has_stride(emit_angles(e, p, 0)) && !(e->wide && any_has_stride(emit_angles(e, p, 1)))))
 		text_put(&t, "\t(void)stride;\n");
 	if (!emit_angles(e, p, 0).count)
 		text_put(&t, "\t(void)sines;\n");

@@ -161,17 +161,19 @@ const char *emit_at_sample(const struct emission *e, const struct function *p, e
 
 /* ---- parameters that statements do not read ---- */
 
-/* Is a row of a batch read or written with the stride: one that is not the first? */
-static int has_stride(const struct plan *p, const struct line *l)
+/* Is a row of a batch read or written with the stride: one that is not the first? Beside outputs that are turned no input is. */
+static int has_stride(const struct plan *p, const struct line *l, int is_turned)
 {
 	const struct node *n = &p->dag->nodes[l->value.i];
 
 	if (l->kind == LINE_STORE)
 		return p->dag->outputs[l->index].row > 0 && !p->dag->arguments[p->dag->outputs[l->index].argument].per_batch;
-	return l->kind == LINE_INPUT && n->arg[1].i > 0 && !p->dag->arguments[n->arg[0].i].per_batch;
+	if (l->kind != LINE_INPUT || n->arg[1].i == 0 || p->dag->arguments[n->arg[0].i].per_batch)
+		return 0;
+	return !is_turned || p->dag->arguments[n->arg[0].i].is_output;
 }
 
-int emit_mark_arguments(const struct plan *p, unsigned char *used)
+int emit_mark_arguments(const struct emission *e, const struct plan *p, unsigned char *used)
 {
 	const struct dag *d = p->dag;
 	int stride = 0;
@@ -181,7 +183,7 @@ int emit_mark_arguments(const struct plan *p, unsigned char *used)
 			used[d->outputs[l->index].argument] = 1;
 		else if (l->kind == LINE_INPUT)
 			used[d->nodes[l->value.i].arg[0].i] = 1;
-		stride |= has_stride(p, l);
+		stride |= has_stride(p, l, e->is_turned);
 	}
 	return stride;
 }
@@ -204,7 +206,7 @@ static void put_unused_sines(const struct emission *e, const struct plan *p, str
 void emit_unused(const struct emission *e, const struct plan *p, const char *prefix, struct text *out)
 {
 	unsigned char used[DAG_EVERY] = {0};
-	int stride = emit_mark_arguments(p, used);
+	int stride = emit_mark_arguments(e, p, used);
 
 	for (int i = 0; i < p->dag->argument_count; i++)
 		if (!used[i])

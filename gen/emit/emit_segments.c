@@ -87,7 +87,7 @@ const char *emit_across(const struct emission *e, const struct segments *s, enum
 
 /* ---- bodies ---- */
 
-struct touched emit_touched(const struct plan *p)
+struct touched emit_touched(const struct emission *e, const struct plan *p)
 {
 	struct touched t = {.step = 0};
 
@@ -97,7 +97,7 @@ struct touched emit_touched(const struct plan *p)
 			t.step |= l->index > 0;
 		} else if (l->kind == LINE_STORE)
 			t.step |= emit_is_carried(p->dag, p->dag->outputs[l->index].argument);
-	t.stride = emit_mark_arguments(p, t.arguments);
+	t.stride = emit_mark_arguments(e, p, t.arguments);
 	return t;
 }
 
@@ -136,7 +136,7 @@ static void put_segment(const struct emission *e, const struct function *p, int 
 	struct text *out)
 {
 	const struct segments *s = &p->segments;
-	struct touched touched = emit_touched(&s->plans[k]);
+	struct touched touched = emit_touched(e, &s->plans[k]);
 	struct segment_zeros zeros = segment_zeros_of(e, p, &s->plans[k]);
 	struct text begin, end;
 

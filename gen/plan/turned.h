@@ -6,8 +6,8 @@
 
 #include "plan/plan.h"
 
-/* Samples of a block: 64 bytes of floats. From one row to the next in shared memory, so that threads are in different banks. */
-enum { TURNED_SAMPLES = 16, TURNED_PITCH = TURNED_SAMPLES + 1 };
+/* Samples of a block, 16 or fewer, whose outputs have room in shared memory; 0: those of no block have. */
+int turned_samples(const struct dag *d, const struct rneagen_options *o);
 
 /* Threads of the last kernel. */
 enum { TURNED_THREADS = 256 };

@@ -33,7 +33,7 @@ static const char *pitch_text(const struct emission *e, const struct function *p
 /* Parameters that a body of one row does not touch. */
 static const char *unused_text(const struct emission *e, const struct plan *lines)
 {
-	struct touched touched = emit_touched(lines);
+	struct touched touched = emit_touched(e, lines);
 	struct text t;
 
 	text_init(&t, e->arena);

@@ -135,7 +135,7 @@ static void put_pointers(const struct unparser *u, const struct plan *p, size_t 
 		.dag = p->dag, .tree = p->tree, .names = p->names, .lines = p->lines + line, .line_count = end - line};
 	unsigned char used[DAG_EVERY] = {0};
 
-	emit_mark_arguments(&lines, used);
+	emit_mark_arguments(u->emission, &lines, used);
 	for (int i = 0; i < p->dag->argument_count; i++) {
 		const struct argument *a = &p->dag->arguments[i];
 

@@ -268,7 +268,7 @@ static void put_function_of(const struct emission *e, const struct function *p, 
 void emit_kernels(const struct emission *e, struct text *out)
 {
 	if (e->is_turned)
-		text_printf(out, "#define RNEA_TURN %d /* samples whose outputs are turned at a time */\n\n", TURNED_SAMPLES);
+		text_printf(out, "#define RNEA_TURN %d /* samples whose outputs are turned at a time */\n\n", turned_samples(arguments_of(e), e->options));
 	emit_zeros(e, out);
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	emit_parts_small(e, 0, out);
@@ -287,8 +287,8 @@ void emit_kernels(const struct emission *e, struct text *out)
 			emit_windowed(e, &e->functions[i], out);
 		else
 			put_function_of(e, &e->functions[i], out);
-	text_put(out, emit_alone_least(e) ? "#endif\n" : "");
 	emit_turn(e, out);
+	text_put(out, emit_alone_least(e) ? "#endif\n" : "");
 	if (emit_has_limbs(e))
 		emit_limbs(e, out);
 }

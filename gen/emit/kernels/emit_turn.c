@@ -88,5 +88,5 @@ const char *emit_launch_unturned(const struct emission *e)
 void emit_info_turn(const struct emission *e, struct text *out)
 {
 	if (e->is_turned)
-		text_printf(out, "turn %d %d %d\n", TURNED_SAMPLES, TURNED_THREADS, bytes_of(e));
+		text_printf(out, "turn %d %d %d\n", turned_samples(arguments_of(e), e->options), TURNED_THREADS, bytes_of(e));
 }
