@@ -107,33 +107,18 @@ static enum rneagen_code plan_build_all(struct generation *g)
 													 : error_memory(a->error);
 }
 
-/* As in soa, with outputs that are turned, where there is a relay or matrices are in parts. */
-static enum rneagen_code turned_choose(struct generation *g, const struct parts_of *in_aos)
-{
-	struct analysis *a = &g->analysis;
-	const struct rneagen_options soa = turned_options(&a->options, 1);
-	struct parts_of x = *in_aos;
-
-	if (!x.has_kernels || !turned_may_be(&g->functions[0].dag, &a->options))
-		return RNEAGEN_OK;
-	x.options = &soa;
-	x.is_turned = 1;
-	if (relay_or_parts(&g->relay, &g->parts, &g->part_count, &x, a->arena, a->error))
-		return a->error->code;
-	g->is_turned = g->relay || (g->part_count && !parts_are_apart(g->parts, g->part_count));
-	return RNEAGEN_OK;
-}
-
 /* The last that needs the DAG as it was before it was fused. */
 static enum rneagen_code parts_choose(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
 	int has_kernels = target_type_of(a->options.target)->kernel != NULL, is_unpruned = a->adjust.prune == 0;
-	const struct parts_of x = {&g->functions[0], &a->raw, &a->tree, &a->request, &a->options, has_kernels, is_unpruned, 0, 0};
+	int may_turn = has_kernels && turned_may_be(&g->functions[0].dag, &a->request, &a->options);
+	const struct rneagen_options o = turned_options(&a->options, may_turn);
+	const struct parts_of x = {&g->functions[0], &a->raw, &a->tree, &a->request, &o, has_kernels, is_unpruned, 0, may_turn};
 
-	if (!turned_choose(g, &x) && !g->is_turned &&
-		!relay_or_parts(&g->relay, &g->parts, &g->part_count, &x, a->arena, a->error) && !g->relay)
+	if (!relay_or_parts(&g->relay, &g->parts, &g->part_count, &x, a->arena, a->error) && !g->relay && !may_turn)
 		tiles_choose(&g->functions[0], g->parts, g->part_count, &x, a->arena, a->error);
+	g->is_turned = may_turn && (g->relay || g->part_count);
 	analysis_free_raw(a);
 	return a->error->code;
 }

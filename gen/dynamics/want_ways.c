@@ -141,12 +141,9 @@ int algorithm_build_looped(struct dag *d, const struct tree *t, const struct req
 	return 1;
 }
 
-int algorithm_build_handed(struct dag *d, const struct tree *t, const struct request *k)
+void algorithm_build_handed(struct dag *d, const struct tree *t, const struct request *k)
 {
-	if (!k->is_forward || k->stored_count != 1 || k->wants[0].kind != WANT_VJP || k->refine_steps)
-		return 0;
 	build_cheapest(d, t, k, 1);
-	return 1;
 }
 
 /* Where elements of d tau stand: in its matrices, in those of d qdd, or in the columns that are to be solved. */

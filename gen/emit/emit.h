@@ -43,6 +43,11 @@ static inline const struct function *emit_main(const struct emission *e)
 	return e->functions;
 }
 
+static inline const struct dag *emit_arguments(const struct emission *e)
+{
+	return &emit_main(e)->dag;
+}
+
 /* What a kernel computes in each place along y of its grid: the main function, or a part of it; how many such
    places there are. */
 static inline const struct function *emit_part(const struct emission *e, int part)

@@ -1,6 +1,5 @@
 /* The table NAME_info, which librnea reads. */
 #include "emit/emit.h"
-#include "emit/kernels/emit_turn.h"
 #include "emit/kernels/emit_alone.h"
 #include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/emit_kernel.h"
@@ -8,6 +7,7 @@
 #include "emit/kernels/emit_relay.h"
 #include "emit/kernels/emit_segments_kernel.h"
 #include "emit/kernels/emit_tiles.h"
+#include "emit/kernels/emit_turn.h"
 #include "plan/stage.h"
 #include "plan/tiles/tiles.h"
 #include <string.h>

@@ -77,11 +77,11 @@ const char *emit_q_stride(const struct emission *e)
 	return e->is_turned ? "1" : emit_stride(e);
 }
 
-static void put_at_sample(const struct argument *a, enum rneagen_layout layout, struct text *out)
+static void put_at_sample(const struct emission *e, const struct argument *a, enum rneagen_layout layout, struct text *out)
 {
 	if (a->per_batch)
 		text_put(out, a->name);
-	else if (layout == RNEAGEN_SOA)
+	else if (layout == RNEAGEN_SOA && !(e->is_turned && !a->is_output))
 		text_printf(out, "%s + k", a->name);
 	else
 		text_printf(out, "%s + k*%d", a->name, a->rows);
@@ -89,7 +89,7 @@ static void put_at_sample(const struct argument *a, enum rneagen_layout layout, 
 
 void emit_put_at_sample(const struct emission *e, const struct argument *a, struct text *out)
 {
-	put_at_sample(a, e->is_turned && !a->is_output ? RNEAGEN_AOS : e->options->layout, out);
+	put_at_sample(e, a, e->options->layout, out);
 }
 
 static void put_declaration(const struct emission *e, const struct argument *a, enum params kind, struct text *out)
@@ -152,7 +152,7 @@ const char *emit_at_sample(const struct emission *e, const struct function *p, e
 
 	text_init(&t, e->arena);
 	for (const struct argument *a = p->dag.arguments; a < p->dag.arguments + p->dag.argument_count; a++) {
-		put_at_sample(a, e->is_turned && !a->is_output ? RNEAGEN_AOS : layout, &t);
+		put_at_sample(e, a, layout, &t);
 		text_put(&t, ", ");
 	}
 	text_put(&t, layout == RNEAGEN_SOA ? "count" : "1");

@@ -124,7 +124,7 @@ static void put_expression(const struct unparser *u, struct ref a, struct text *
 static void put_handed(const struct unparser *u, unsigned row, struct text *out)
 {
 	const struct stretches *s = u->function->stretches;
-	unsigned mu = (PERIODS - 1) * (unsigned)s->period;
+	unsigned mu = (unsigned)stretches_found_row(s, FOUND_MU);
 
 	if (s->takes_found && row >= mu)
 		unparse_index("mu", row - mu, "step", out);

@@ -119,10 +119,21 @@ static int row_of(const struct stretches *s, int argument, int row)
 	return s->period && argument == s->divided ? row % s->period : row;
 }
 
+int stretches_found_place(const struct dag *d, int found)
+{
+	return found == FOUND_MU ? PERIODS - 1 : dag_find_role(d, ROLE_COTANGENT, 0);
+}
+
+int stretches_found_row(const struct stretches *s, int found)
+{
+	return found == FOUND_MU ? (PERIODS - 1) * s->period : 0;
+}
+
 /* Is it the place of qdd or of mu? */
 static int has_found(const struct stretches *s, const struct dag *d, int argument)
 {
-	return s->period && (argument == PERIODS - 1 || argument == dag_find_role(d, ROLE_COTANGENT, 0));
+	return s->takes_found && s->period &&
+		(argument == stretches_found_place(d, FOUND_QDD) || argument == stretches_found_place(d, FOUND_MU));
 }
 
 static void find_own(struct stretches *s, const struct dag *d)
@@ -143,7 +154,7 @@ static void find_own(struct stretches *s, const struct dag *d)
 			s->periods |= 1u << o->row / s->period;
 	}
 	for (int i = 0; i < d->argument_count; i++)
-		if (!s->own[i][0].rows && !s->own[i][1].rows && !(s->takes_found && has_found(s, d, i)))
+		if (!s->own[i][0].rows && !s->own[i][1].rows && !has_found(s, d, i))
 			widen(s, s->own[i], s->gap ? s->second : 0);
 }
 
@@ -161,7 +172,7 @@ static void align_periods(struct stretches *s, const struct dag *d)
 	for (int i = 0; i < PERIODS; i++)
 		widen_by(s, all, s->place[i]);
 	for (int i = 0; i < d->argument_count; i++)
-		if (i < PERIODS || (s->takes_found && has_found(s, d, i)))
+		if (i < PERIODS || has_found(s, d, i))
 			widen_by(s, s->place[i], all);
 }
 

@@ -51,6 +51,11 @@ int stretches_are_written(const struct stretches *s, const struct dag *d);
 /* Rows that the place of an array has. */
 int stretches_rows(const struct stretches *s, int argument);
 
+/* What is found, qdd and mu: whose place each takes, and the row of the vjp that it begins with. */
+enum { FOUND_QDD, FOUND_MU, FOUND_COUNT };
+int stretches_found_place(const struct dag *d, int found);
+int stretches_found_row(const struct stretches *s, int found);
+
 /* Words of shared memory that they take for a sample. */
 int stretches_words(const struct stretches *s, const struct dag *d, const struct rneagen_options *o);
 

@@ -1,4 +1,5 @@
 #include "plan/turned.h"
+#include "plan/grid/owners.h"
 #include "plan/stage.h"
 
 /* Samples of a block: those of two sectors of memory in f32, or as few as fill one. Shared memory of a block at most: what all GPUs
@@ -44,11 +45,11 @@ int turned_bytes(const struct dag *d, const struct rneagen_options *o)
 	return bytes_of(d, turned_samples(d, o), o);
 }
 
-int turned_may_be(const struct dag *d, const struct rneagen_options *o)
+int turned_may_be(const struct dag *d, const struct request *k, const struct rneagen_options *o)
 {
 	if (o->layout != RNEAGEN_AOS || (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64))
 		return 0;
 	if (o->parts != RNEAGEN_PARTS_AUTO || o->segments != RNEAGEN_SEGMENTS_AUTO)
 		return 0;
-	return !stage_holds_all(d, o) && turned_samples(d, o) > 0;
+	return owners_matrix(k) && !stage_holds_all(d, o) && turned_samples(d, o) > 0;
 }

@@ -1,8 +1,8 @@
 #ifndef RNEAGEN_TURNED_H
 #define RNEAGEN_TURNED_H
-/* In layout aos, outputs that kernels write as in soa: of some samples at a time, the block's, as [row][sample], where these samples'
-   [sample][row] belongs. A last kernel turns each block, in its place. So threads write whole sectors, and matrices have the parts,
-   the kernels and the relays of soa. */
+/* In layout aos, outputs that kernels write as in soa: of some samples at a time, the block's, as [row][sample], where these
+   samples' [sample][row] belongs. A last kernel turns each block, in its place. So threads write whole sectors, and matrices have
+   the parts, the kernels and the relays of soa. */
 
 #include "plan/plan.h"
 
@@ -12,8 +12,8 @@ int turned_samples(const struct dag *d, const struct rneagen_options *o);
 /* Threads of the last kernel. */
 enum { TURNED_THREADS = 256 };
 
-/* May this be done with the arrays of a function, if it has parts for matrices or is a relay's? Not where all have room as slices. */
-int turned_may_be(const struct dag *d, const struct rneagen_options *o);
+/* May this be done with the matrices of a function, if it is in parts or a relay's? Not where all arrays have room as slices. */
+int turned_may_be(const struct dag *d, const struct request *k, const struct rneagen_options *o);
 
 /* What the kernels are planned and written by: these options, in layout soa where outputs are turned. */
 struct rneagen_options turned_options(const struct rneagen_options *o, int is_turned);

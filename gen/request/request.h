@@ -163,6 +163,9 @@ struct pattern;
 /* Which elements of a matrix are stored. Returns 0 when memory runs out. */
 int request_pattern(struct pattern *p, const struct tree *t, const struct want *w, int dense, struct arena *a);
 
+/* The same with nothing wanted but the qdd found, for which *qdd is the room. */
+struct request request_of_accelerations(const struct request *k, struct want *qdd);
+
 /* Is any derivative, M included? */
 int request_wants_derivative(const struct request *k);
 

@@ -47,3 +47,15 @@ int request_wants_derivative(const struct request *k)
 			return 1;
 	return 0;
 }
+
+struct request request_of_accelerations(const struct request *k, struct want *qdd)
+{
+	struct request alone = *k;
+
+	for (int i = 0; i < k->want_count; i++)
+		if (k->wants[i].kind == WANT_QDD)
+			*qdd = k->wants[i];
+	alone.wants = qdd;
+	alone.want_count = alone.stored_count = 1;
+	return alone;
+}

@@ -12,17 +12,11 @@
 #include "emit/kernels/emit_tiles.h"
 #include "emit/kernels/emit_turn.h"
 #include "plan/stage.h"
-#include "plan/turned.h"
-
-static const struct dag *arguments_of(const struct emission *e)
-{
-	return &emit_main(e)->dag;
-}
 
 /* What is written where an input stood. */
 static const char *in_place_text(const struct emission *e, const struct part *part)
 {
-	const struct dag *d = arguments_of(e);
+	const struct dag *d = emit_arguments(e);
 	int tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1);
 
 	if (part && part->function.stretches->period)
@@ -58,7 +52,7 @@ struct work {
 /* Where kernels before have left what they hand on: in the last array. */
 static const char *handed_text(const struct emission *e, const struct function *p)
 {
-	const struct dag *d = arguments_of(e);
+	const struct dag *d = emit_arguments(e);
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -267,8 +261,7 @@ static void put_function_of(const struct emission *e, const struct function *p, 
 
 void emit_kernels(const struct emission *e, struct text *out)
 {
-	if (e->is_turned)
-		text_printf(out, "#define RNEA_TURN %d /* samples whose outputs are turned at a time */\n\n", turned_samples(arguments_of(e), e->options));
+	emit_turn_samples(e, out);
 	emit_zeros(e, out);
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	emit_parts_small(e, 0, out);

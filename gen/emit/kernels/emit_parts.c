@@ -44,7 +44,7 @@ const char *emit_handed(const struct emission *e, const struct function *p, cons
 {
 	if (!emit_takes_found(p))
 		return text_format(e->arena, "%s, %s", at, step);
-	return text_format(e->arena, "%s, %s + %d*%s, %s", at, at, (PERIODS - 1) * p->stretches->period, step, step);
+	return text_format(e->arena, "%s, %s + %d*%s, %s", at, at, stretches_found_row(p->stretches, FOUND_MU), step, step);
 }
 
 const char *emit_more_params(const struct emission *e, const struct function *p)

@@ -4,20 +4,26 @@
 #include "plan/stage.h"
 #include "plan/turned.h"
 
-static const struct dag *arguments_of(const struct emission *e)
-{
-	return &emit_main(e)->dag;
-}
-
 static int bytes_of(const struct emission *e)
 {
-	return turned_bytes(arguments_of(e), e->options);
+	return turned_bytes(emit_arguments(e), e->options);
+}
+
+int emit_turned_samples(const struct emission *e)
+{
+	return turned_samples(emit_arguments(e), e->options);
+}
+
+void emit_turn_samples(const struct emission *e, struct text *out)
+{
+	if (e->is_turned)
+		text_printf(out, "#define RNEA_TURN %d /* samples whose outputs are turned at a time */\n\n", emit_turned_samples(e));
 }
 
 /* `array + k` is then the sample's first row, and `count` the way to the next one. */
 const char *emit_turn_begin(const struct emission *e)
 {
-	const struct dag *d = arguments_of(e);
+	const struct dag *d = emit_arguments(e);
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -32,19 +38,30 @@ const char *emit_turn_begin(const struct emission *e)
 	return text_string(&t);
 }
 
-static const char *cases_text(const struct emission *e, int *outputs)
+static int outputs_of(const struct emission *e)
 {
-	const struct dag *d = arguments_of(e);
+	const struct dag *d = emit_arguments(e);
+	int count = 0;
+
+	for (int i = 0; i < d->argument_count; i++)
+		count += d->arguments[i].is_output;
+	return count;
+}
+
+/* One for each output. */
+static const char *cases_text(const struct emission *e)
+{
+	const struct dag *d = emit_arguments(e);
 	struct text t;
+	int number = 0;
 
 	text_init(&t, e->arena);
-	*outputs = 0;
 	for (int i = 0; i < d->argument_count; i++) {
 		const struct argument *a = &d->arguments[i];
-		int zeros = emit_late_zeros(e, i);
+		int zeros = a->is_output ? emit_late_zeros(e, i) : 0;
 
 		if (a->is_output)
-			text_printf(&t, "\tcase %d:\n\t\trneagen_turn<%d, %d>(%s + first*%d, samples, slices, %s);\n\t\tbreak;\n", (*outputs)++,
+			text_printf(&t, "\tcase %d:\n\t\trneagen_turn<%d, %d>(%s + first*%d, samples, slices, %s);\n\t\tbreak;\n", number++,
 				a->rows, zeros, a->name, a->rows, zeros ? text_format(e->arena, "%s_%s_zeros", e->options->name, a->name) : "0");
 	}
 	return text_string(&t);
@@ -52,27 +69,25 @@ static const char *cases_text(const struct emission *e, int *outputs)
 
 void emit_turn(const struct emission *e, struct text *out)
 {
-	int outputs;
+	if (!e->is_turned)
+		return;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", emit_main(e)->algorithm->name}, {"T", e->memory->type},
 		{"THREADS", emit_int(e, TURNED_THREADS)}, {"BYTES", emit_int(e, bytes_of(e))},
-		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"CASES", cases_text(e, &outputs)}};
+		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"CASES", cases_text(e)}};
 
-	if (e->is_turned)
-		template_expand(out, template_turn_in, slots, sizeof slots / sizeof *slots);
+	template_expand(out, template_turn_in, slots, sizeof slots / sizeof *slots);
 }
 
 const char *emit_launch_turn(const struct emission *e)
 {
 	const struct function *p = emit_main(e);
-	int outputs;
 
 	if (!e->is_turned)
 		return "";
-	cases_text(e, &outputs);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"SHARED_BYTES", emit_int(e, SHARED_BYTES)},
-		{"OUTPUTS", emit_int(e, outputs)}};
+		{"OUTPUTS", emit_int(e, outputs_of(e))}};
 
 	return template_text(e->arena, template_turn_launch_in, slots, sizeof slots / sizeof *slots);
 }
@@ -88,5 +103,5 @@ const char *emit_launch_unturned(const struct emission *e)
 void emit_info_turn(const struct emission *e, struct text *out)
 {
 	if (e->is_turned)
-		text_printf(out, "turn %d %d %d\n", turned_samples(arguments_of(e), e->options), TURNED_THREADS, bytes_of(e));
+		text_printf(out, "turn %d %d %d\n", emit_turned_samples(e), TURNED_THREADS, bytes_of(e));
 }

@@ -4,6 +4,10 @@
 
 #include "emit/emit.h"
 
+/* How many samples are turned at a time; the macro that says so, before the kernels. */
+int emit_turned_samples(const struct emission *e);
+void emit_turn_samples(const struct emission *e, struct text *out);
+
 /* At the beginning of a kernel: of each output where the thread's block of samples stands, and its samples for a stride. */
 const char *emit_turn_begin(const struct emission *e);
 

@@ -11,8 +11,8 @@
    4105 and 808 (430), atlas 9490 and 1620, g1_29dof 10420 and 1670. */
 enum { FULL_SINGLE = 450, FULL_DOUBLE = 210 };
 
-/* In aos in f32 whole samples come and go as one part, unless its code would be longer than the instruction cache: so many operations
-   are. */
+/* In aos in f32 whole samples come and go as one part, unless its code would be longer than the instruction cache: so many
+   operations are. */
 enum { LONG = 8200 };
 
 enum { FIRST, SECOND, KERNELS };
@@ -28,7 +28,8 @@ struct kernel {
 /* In aos: is there an array of tau, whose place mu takes? All of tau, or of qd, may be given. */
 static int has_places(const struct parts_of *x)
 {
-	return x->options->layout != RNEAGEN_AOS || dag_find_role(x->raw, ROLE_JOINT_TORQUE, 0) == PERIODS - 1;
+	return x->options->layout != RNEAGEN_AOS ||
+		dag_find_role(x->raw, ROLE_JOINT_TORQUE, 0) == stretches_found_place(x->raw, FOUND_MU);
 }
 
 static int is_served(const struct parts_of *x)
@@ -82,14 +83,12 @@ static int begin(struct kernel kernels[KERNELS], struct want *qdd, const struct 
 	const int *kernel;
 
 	dag_init(&raw, spare);
-	kernel = algorithm_build_handed(&raw, x->tree, x->request) && !raw.failed ? kernels_of(&raw, x->tree->nv, spare) : NULL;
+	algorithm_build_handed(&raw, x->tree, x->request);
+	kernel = raw.failed ? NULL : kernels_of(&raw, x->tree->nv, spare);
 	if (!kernel || !share_begin(&share, &raw, kernel, spare))
 		return 0;
-	*qdd = (struct want){.kind = WANT_QDD, .word = "qdd", .argument = "qdd", .rows = x->tree->nv};
-	for (int i = 0; i < KERNELS; i++)
-		kernels[i].request = *x->request;
-	kernels[FIRST].request.wants = qdd;
-	kernels[FIRST].request.want_count = kernels[FIRST].request.stored_count = 1;
+	kernels[FIRST].request = request_of_accelerations(x->request, qdd);
+	kernels[SECOND].request = *x->request;
 	kernels[SECOND].request.is_forward = 0;
 	for (int i = 0; i < KERNELS; i++) {
 		share_copy(&share, i, i + 1, &kernels[i].dag, spare);
@@ -99,8 +98,8 @@ static int begin(struct kernel kernels[KERNELS], struct want *qdd, const struct 
 	return 1;
 }
 
-/* In aos outputs stand in the places of inputs: qdd where q was, mu where tau was, and what it leaves for the vjp by qd is written
-   over. */
+/* In aos outputs stand in the places of inputs: qdd where q was, mu where tau was, and what it leaves for the vjp by qd is
+   written over. */
 static int set_rows(struct part *p, int kernel, const struct parts_of *x, struct arena *a)
 {
 	int nv = x->options->layout == RNEAGEN_AOS ? x->tree->nv : 0;

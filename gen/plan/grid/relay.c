@@ -58,19 +58,6 @@ static void drop_loops(struct dag *d)
 	d->loop_count = d->run_count = 0;
 }
 
-/* What is wanted is qdd alone. */
-static struct request accelerations(const struct request *k, struct want *qdd)
-{
-	struct request alone = *k;
-
-	for (int i = 0; i < k->want_count; i++)
-		if (k->wants[i].kind == WANT_QDD)
-			*qdd = k->wants[i];
-	alone.wants = qdd;
-	alone.want_count = alone.stored_count = 1;
-	return alone;
-}
-
 /* The algorithm anew, in the way that is cheaper for qdd alone. Returns 0 where its arrays are not the first ones
    of the whole. */
 static int build_alone(struct dag *d, const struct request *alone, const struct parts_of *x)
@@ -111,7 +98,7 @@ static int build_start(struct relay *r, struct share *share, const char *name, c
 
 	if (!qdd)
 		return 0;
-	alone = accelerations(x->request, qdd);
+	alone = request_of_accelerations(x->request, qdd);
 	dag_init(&raw, spare);
 	is_alone = build_alone(&raw, &alone, x);
 	if (is_alone ? raw.failed || !part_build(&r->start, &raw, name, doc, x, a)

@@ -10,7 +10,7 @@ typedef void put_move(const struct emission *e, const struct stretches *s, int a
 /* aos: a line for each stretch that comes, or goes. */
 static const char *moves_text(const struct emission *e, const struct stretches *s, int is_output, put_move *put)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -35,7 +35,7 @@ static int parts_beside(const struct emission *e, const struct stretches *s)
 /* Is a stretch some rows of each sample, of an array that has more, or of which other parts have the others? */
 static int is_some(const struct emission *e, const struct stretches *s, int argument, int k)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 
 	return s && (parts_beside(e, s) > 1 || slice_stretch(s, d, argument, k).rows < d->arguments[argument].rows);
 }
@@ -44,7 +44,7 @@ static int is_some(const struct emission *e, const struct stretches *s, int argu
 static void put_function(const struct emission *e, const struct stretches *s, const char *direction, int argument, int k,
 	struct text *out)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 	int rows = slice_stretch(s, d, argument, k).rows;
 
 	text_printf(out, "\t\trneagen_stage%s_%s<%d, %d", is_some(e, s, argument, k) ? "_rows" : "", direction, rows,
@@ -57,8 +57,8 @@ static void put_function(const struct emission *e, const struct stretches *s, co
 /* `q + first*7`, and for a part `+ 3`, where its rows begin. */
 static void put_array(const struct emission *e, const struct stretches *s, int argument, int k, struct text *out)
 {
-	const struct argument *a = &slice_arguments(e)->arguments[argument];
-	int first = slice_stretch(s, slice_arguments(e), argument, k).first;
+	const struct argument *a = &emit_arguments(e)->arguments[argument];
+	int first = slice_stretch(s, emit_arguments(e), argument, k).first;
 
 	text_printf(out, "%s + first*%d", a->name, a->rows);
 	slice_put_shift(first, out);
@@ -66,7 +66,7 @@ static void put_array(const struct emission *e, const struct stretches *s, int a
 
 static void put_slice_in(const struct emission *e, const struct stretches *s, int argument, int k, struct text *out)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 
 	put_function(e, s, "in", argument, k, out);
 	text_printf(out, "%s_slice", d->arguments[argument].name);
@@ -93,7 +93,7 @@ static int is_joined(const struct emission *e, const struct stretches *s)
 /* Does a part move some rows of an array? */
 static int moves_some(const struct emission *e, const struct stretches *s)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 
 	for (int i = 0; i < d->argument_count; i++)
 		if (!d->arguments[i].per_batch && is_some(e, s, i, 0) && !(s->period && i == s->divided && is_joined(e, s)))
@@ -139,7 +139,7 @@ int emit_divided_slot(const struct stretches *s)
 
 const char *slice_join(const struct emission *e, const struct stretches *s)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -152,13 +152,13 @@ const char *slice_join(const struct emission *e, const struct stretches *s)
 /* The rows of a vjp for q, qd and qdd, from the places of these. */
 static void put_divided_out(const struct emission *e, const struct stretches *s, struct text *out)
 {
-	const struct argument *a = &slice_arguments(e)->arguments[s->divided];
+	const struct argument *a = &emit_arguments(e)->arguments[s->divided];
 	const struct stretch *own = s->own[s->divided];
 	int slot = emit_divided_slot(s);
 
 	if (is_joined(e, s)) {
 		text_printf(out, "\t\trneagen_stage_out<%d, %d>(%s + first*%d, %s_slice, samples);\n", a->rows, a->rows, a->name, a->rows,
-			slice_arguments(e)->arguments[0].name);
+			emit_arguments(e)->arguments[0].name);
 		return;
 	}
 	for (int i = 0; i < PERIODS; i++) {
@@ -167,9 +167,9 @@ static void put_divided_out(const struct emission *e, const struct stretches *s,
 		if (!(s->periods >> i & 1))
 			continue;
 		text_printf(out, "\t\trneagen_stage_rows_out<%d, %d, %d>(%s + first*%d", own->rows,
-			emit_pitch(e, slice_place_rows(s, slice_arguments(e), i)), a->rows, a->name, a->rows);
+			emit_pitch(e, slice_place_rows(s, emit_arguments(e), i)), a->rows, a->name, a->rows);
 		slice_put_shift(first, out);
-		text_printf(out, ", %s_slice", slice_arguments(e)->arguments[i].name);
+		text_printf(out, ", %s_slice", emit_arguments(e)->arguments[i].name);
 		slice_put_shift(slot, out);
 		text_put(out, ", samples);\n");
 	}
@@ -177,7 +177,7 @@ static void put_divided_out(const struct emission *e, const struct stretches *s,
 
 static void put_slice_out(const struct emission *e, const struct stretches *s, int argument, int k, struct text *out)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 
 	if (s && s->period && argument == s->divided) {
 		put_divided_out(e, s, out);
@@ -199,7 +199,7 @@ static const char *row_text(const struct emission *e, int first)
 /* The loop's line for rows of an array. */
 static void put_row_move(const struct emission *e, const struct stretches *s, int argument, int k, struct text *out)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 	const char *name = d->arguments[argument].name, *place = d->arguments[slice_place(s, d, argument)].name;
 	const char *row = row_text(e, slice_stretch(s, d, argument, k).first), *slot = row_text(e, emit_slot(s, d, argument, k));
 
@@ -213,7 +213,7 @@ static void put_row_move(const struct emission *e, const struct stretches *s, in
 /* soa: a thread fetches or writes its own sample; one loop for stretches of one length that follow each other. */
 static const char *move_samples(const struct emission *e, const struct stretches *s, int out)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 	struct text t;
 	int rows = 0;
 
@@ -235,19 +235,19 @@ static const char *move_samples(const struct emission *e, const struct stretches
 /* They come from rows of the vjp. */
 static const char *found_moves(const struct emission *e, const struct stretches *s)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int k = 0; k < SLICE_FOUND && slice_takes_found(s); k++) {
-		int place = slice_found_place(d, k);
+	for (int k = 0; k < FOUND_COUNT && slice_takes_found(s); k++) {
+		int place = stretches_found_place(d, k);
 		const struct argument *vjp = &d->arguments[s->divided];
 
 		text_printf(&t, "\t\trneagen_stage_rows_in<%d, %d, %d>(%s_slice", s->found.rows,
 			emit_pitch(e, slice_place_rows(s, d, place)), vjp->rows, d->arguments[place].name);
 		slice_put_shift(s->found.first + s->shift - s->place[0]->first, &t);
 		text_printf(&t, ", %s + first*%d", vjp->name, vjp->rows);
-		slice_put_shift(slice_found_row(s, k) + s->found.first, &t);
+		slice_put_shift(stretches_found_row(s, k) + s->found.first, &t);
 		text_put(&t, ", samples);\n");
 	}
 	return text_string(&t);

@@ -41,25 +41,10 @@ int emit_slot(const struct stretches *s, const struct dag *d, int argument, int 
 	return slice_stretch(s, d, argument, k).first - place_first(s, d, argument) - (k ? s->gap : 0);
 }
 
-const struct dag *slice_arguments(const struct emission *e)
-{
-	return &emit_main(e)->dag;
-}
-
 void slice_put_shift(int by, struct text *out)
 {
 	if (by)
 		text_printf(out, " %c %d", by < 0 ? '-' : '+', abs(by));
-}
-
-int slice_found_place(const struct dag *d, int k)
-{
-	return k ? PERIODS - 1 : dag_find_role(d, ROLE_COTANGENT, 0);
-}
-
-int slice_found_row(const struct stretches *s, int k)
-{
-	return k * (PERIODS - 1) * s->period;
 }
 
 int slice_takes_found(const struct stretches *s)
@@ -71,7 +56,7 @@ int slice_takes_found(const struct stretches *s)
    where this thread's rows do. */
 static const char *slices_text(const struct emission *e, const struct stretches *s, const char *block)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 	struct text t;
 	int last = -1;
 
@@ -92,7 +77,7 @@ static const char *slices_text(const struct emission *e, const struct stretches 
 /* What the body is called with: q_here, qd_here, ..., and as it is what all samples share. */
 static const char *here_text(const struct emission *e)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -105,7 +90,7 @@ static const char *here_text(const struct emission *e)
    slice may lack. */
 static const char *pointers_text(const struct emission *e, const struct stretches *s, const char *block)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 	struct text t;
 
 	text_init(&t, e->arena);
@@ -137,18 +122,18 @@ static const char *pointers_text(const struct emission *e, const struct stretche
 /* The same for qdd and mu, which stand in the places of the weights and of the third period. */
 static const char *found_text(const struct emission *e, const struct stretches *s)
 {
-	const struct dag *d = slice_arguments(e);
+	const struct dag *d = emit_arguments(e);
 	struct text t;
 
 	text_init(&t, e->arena);
-	for (int k = 0; k < SLICE_FOUND && slice_takes_found(s); k++) {
-		int place = slice_found_place(d, k);
+	for (int k = 0; k < FOUND_COUNT && slice_takes_found(s); k++) {
+		int place = stretches_found_place(d, k);
 
-		text_printf(&t, "\t\tconst %s *const %s_here = staged ? %s_slice + threadIdx.x*%d", e->memory->type, k ? "mu" : "found",
-			d->arguments[place].name, emit_pitch(e, slice_place_rows(s, d, place)));
+		text_printf(&t, "\t\tconst %s *const %s_here = staged ? %s_slice + threadIdx.x*%d", e->memory->type,
+			k == FOUND_MU ? "mu" : "found", d->arguments[place].name, emit_pitch(e, slice_place_rows(s, d, place)));
 		slice_put_shift(s->shift - s->place[0]->first, &t);
 		text_printf(&t, " : %s + k*%d", d->arguments[s->divided].name, d->arguments[s->divided].rows);
-		slice_put_shift(slice_found_row(s, k), &t);
+		slice_put_shift(stretches_found_row(s, k), &t);
 		text_put(&t, ";\n");
 	}
 	return text_string(&t);

@@ -9,17 +9,11 @@ struct stretch slice_stretch(const struct stretches *s, const struct dag *d, int
 int slice_place(const struct stretches *s, const struct dag *d, int argument);
 int slice_place_rows(const struct stretches *s, const struct dag *d, int argument);
 
-const struct dag *slice_arguments(const struct emission *e);
-
 /* ` + 3`, ` - 3`, or nothing. */
 void slice_put_shift(int by, struct text *out);
 
-/* What a kernel before has found, qdd and mu (plan/stretch.h): is it taken from slices? Whose place each takes, and the row of the vjp
-   that it begins with. */
-enum { SLICE_FOUND = 2 };
+/* Does it take from slices what a kernel before has found (plan/stretch.h)? */
 int slice_takes_found(const struct stretches *s);
-int slice_found_place(const struct dag *d, int k);
-int slice_found_row(const struct stretches *s, int k);
 
 /* Lines that fetch slices, and that write them; that join the rows of a vjp before. */
 const char *slice_moves_in(const struct emission *e, const struct stretches *s);
