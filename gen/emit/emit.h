@@ -321,8 +321,8 @@ int emit_is_zero_store(const struct plan *p, const struct line *l);
 const char *emit_zeros_unless(const struct emission *e, const struct function *p, int is_beside);
 void emit_zeros(const struct emission *e, struct text *out);
 const char *emit_zero_loops(const struct emission *e, const char *first, const char *step);
-/* Of an array, how many runs of zeros its table has that the kernel writes which turns outputs; 0: others have written them. */
-int emit_late_zeros(const struct emission *e, int argument);
+/* Of an array, which rows are zeros that the kernel writes which turns outputs, 1 each; NULL: others have written all. */
+const unsigned char *emit_late_zeros(const struct emission *e, int argument);
 
 /* `{10, 7}, {18, 2}`: the rows of an array that these outputs leave always zero, from a row on so many. Returns how many such
    runs there are. */

@@ -277,17 +277,23 @@ static int put_runs(const unsigned char *zero, int rows, struct text *out)
 	return runs;
 }
 
-int emit_zero_runs(const struct emission *e, const struct dag *d, const struct output *outputs, size_t count, int argument,
-	struct text *out)
+static unsigned char *zero_rows(const struct emission *e, const struct dag *d, const struct output *outputs, size_t count, int argument)
 {
-	int rows = d->arguments[argument].rows;
-	unsigned char *zero = arena_alloc(e->arena, (size_t)rows + 1, 1);
+	unsigned char *zero = arena_alloc(e->arena, (size_t)d->arguments[argument].rows + 1, 1);
 
-	text_init(out, e->arena);
 	for (size_t i = 0; i < count && zero; i++)
 		if (outputs[i].argument == argument && output_is_zero(d, &outputs[i]))
 			zero[outputs[i].row] = 1;
-	return zero ? put_runs(zero, rows, out) : 0;
+	return zero;
+}
+
+int emit_zero_runs(const struct emission *e, const struct dag *d, const struct output *outputs, size_t count, int argument,
+	struct text *out)
+{
+	const unsigned char *zero = zero_rows(e, d, outputs, count, argument);
+
+	text_init(out, e->arena);
+	return zero ? put_runs(zero, d->arguments[argument].rows, out) : 0;
 }
 
 static int zero_runs(const struct emission *e, int argument, struct text *out)
@@ -300,14 +306,14 @@ static int zero_runs(const struct emission *e, int argument, struct text *out)
 /* Of a relay the third kernel reads zeros where the second one leaves them. */
 static int has_late_zeros(const struct emission *e)
 {
-	return e->is_turned && !e->relay;
+	return e->is_turned && !e->relay && emit_has_zeros(e, emit_main(e));
 }
 
-int emit_late_zeros(const struct emission *e, int argument)
+const unsigned char *emit_late_zeros(const struct emission *e, int argument)
 {
-	struct text runs;
+	const struct dag *d = stored_by(e);
 
-	return has_late_zeros(e) && emit_has_zeros(e, emit_main(e)) ? zero_runs(e, argument, &runs) : 0;
+	return has_late_zeros(e) ? zero_rows(e, d, d->outputs, d->output_count, argument) : NULL;
 }
 
 void emit_zeros(const struct emission *e, struct text *out)
@@ -315,7 +321,7 @@ void emit_zeros(const struct emission *e, struct text *out)
 	const struct dag *d = &emit_main(e)->dag;
 	struct text tables, runs;
 
-	if (!emit_has_zeros(e, emit_main(e)))
+	if (!emit_has_zeros(e, emit_main(e)) || has_late_zeros(e))
 		return;
 	text_init(&tables, e->arena);
 	for (int i = 0; i < d->argument_count; i++) {
@@ -325,11 +331,6 @@ void emit_zeros(const struct emission *e, struct text *out)
 
 		if (count)
 			template_expand(&tables, template_zeros_table_in, slots, sizeof slots / sizeof *slots);
-	}
-	if (has_late_zeros(e)) {
-		text_printf(out, "/* Elements that are zero whatever the inputs are: from a row on, so many rows. The last kernel writes "
-			"them. */\n%s\n", text_string(&tables));
-		return;
 	}
 	const struct slot slots[] = {{"T", e->memory->type}, {"TABLES", text_string(&tables)}};
 

@@ -6,6 +6,11 @@
    have since compute capability 7.5. */
 enum { MANY = 16, SECTOR_BYTES = 32, MOST_BYTES = 64 << 10 };
 
+/* Blocks that shared memory allows are to fill a multiprocessor with threads. H200, one matrix of 900 rows of which 494 are kept, ps a
+   sample: f32 2080 with 256 threads, 1900 with 320, 1960 with 512; f64 by 8 samples 3740 with 256. With all rows in shared memory:
+   3400 in f32. */
+enum { SM_BYTES = 227 << 10, SM_THREADS = 2048, FEWEST_THREADS = 256, MOST_THREADS = 512, WARP = 32 };
+
 struct rneagen_options turned_options(const struct rneagen_options *o, int is_turned)
 {
 	struct rneagen_options own = *o;
@@ -15,34 +20,45 @@ struct rneagen_options turned_options(const struct rneagen_options *o, int is_tu
 	return own;
 }
 
-static int longest(const struct dag *d)
+/* From one row to the next there is room for a sample more, so that threads are in different banks. Where rows are zero, they share
+   one row more, and tables say of each row where it is kept and of each that is kept which it is. */
+static int array_bytes(int rows, int kept, int samples, const struct rneagen_options *o)
 {
-	int rows = 0;
+	int row = (samples + 1) * stage_number_bytes(o);
 
-	for (int i = 0; i < d->argument_count; i++)
-		if (d->arguments[i].is_output && d->arguments[i].rows > rows)
-			rows = d->arguments[i].rows;
-	return rows;
+	return kept < rows ? (kept + 1) * row + (rows + kept) * (int)sizeof(unsigned short) : rows * row;
 }
 
-/* From one row to the next there is room for a sample more, so that threads are in different banks; and it is said of each row
-   whether it is zero. */
-static int bytes_of(const struct dag *d, int samples, const struct rneagen_options *o)
+static int bytes_of(const struct dag *d, const int *kept, int samples, const struct rneagen_options *o)
 {
-	return longest(d) * ((samples + 1) * stage_number_bytes(o) + 1);
+	int most = 0;
+
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
+		int bytes = a->is_output ? array_bytes(a->rows, kept ? kept[i] : a->rows, samples, o) : 0;
+
+		if (bytes > most)
+			most = bytes;
+	}
+	return most;
 }
 
-int turned_samples(const struct dag *d, const struct rneagen_options *o)
+static int threads_of(int bytes)
 {
-	for (int samples = MANY; samples * stage_number_bytes(o) >= SECTOR_BYTES; samples /= 2)
-		if (bytes_of(d, samples, o) <= MOST_BYTES)
-			return samples;
-	return 0;
+	int threads = SM_THREADS / (SM_BYTES / bytes) / WARP * WARP;
+
+	return threads < FEWEST_THREADS ? FEWEST_THREADS : threads > MOST_THREADS ? MOST_THREADS : threads;
 }
 
-int turned_bytes(const struct dag *d, const struct rneagen_options *o)
+struct turned turned_of(const struct dag *d, const int *kept, const struct rneagen_options *o)
 {
-	return bytes_of(d, turned_samples(d, o), o);
+	for (int samples = MANY; samples * stage_number_bytes(o) >= SECTOR_BYTES; samples /= 2) {
+		int bytes = bytes_of(d, kept, samples, o);
+
+		if (bytes <= MOST_BYTES)
+			return (struct turned){samples, threads_of(bytes), bytes};
+	}
+	return (struct turned){0, 0, 0};
 }
 
 int turned_may_be(const struct dag *d, const struct request *k, const struct rneagen_options *o)
@@ -51,5 +67,5 @@ int turned_may_be(const struct dag *d, const struct request *k, const struct rne
 		return 0;
 	if (o->parts != RNEAGEN_PARTS_AUTO || o->segments != RNEAGEN_SEGMENTS_AUTO)
 		return 0;
-	return owners_matrix(k) && !stage_holds_all(d, o) && turned_samples(d, o) > 0;
+	return owners_matrix(k) && !stage_holds_all(d, o) && turned_of(d, NULL, o).samples > 0;
 }

@@ -6,19 +6,18 @@
 
 #include "plan/plan.h"
 
-/* Samples of a block, 16 or fewer, whose outputs have room in shared memory; 0: those of no block have. */
-int turned_samples(const struct dag *d, const struct rneagen_options *o);
+/* Of the last kernel: the samples of a block, 16 or fewer, whose outputs have room in shared memory; 0: those of no block have. */
+struct turned {
+	int samples, threads, bytes;
+};
 
-/* Threads of the last kernel. */
-enum { TURNED_THREADS = 256 };
+/* Of each argument so many rows are kept: all of an input, and those of an output that others write; NULL: all of them are. */
+struct turned turned_of(const struct dag *d, const int *kept, const struct rneagen_options *o);
 
 /* May this be done with the matrices of a function, if it is in parts or a relay's? Not where all arrays have room as slices. */
 int turned_may_be(const struct dag *d, const struct request *k, const struct rneagen_options *o);
 
 /* What the kernels are planned and written by: these options, in layout soa where outputs are turned. */
 struct rneagen_options turned_options(const struct rneagen_options *o, int is_turned);
-
-/* Shared memory of the last kernel. */
-int turned_bytes(const struct dag *d, const struct rneagen_options *o);
 
 #endif

@@ -4,14 +4,29 @@
 #include "plan/stage.h"
 #include "plan/turned.h"
 
-static int bytes_of(const struct emission *e)
+static int kept_rows(const struct emission *e, int argument)
 {
-	return turned_bytes(emit_arguments(e), e->options);
+	const unsigned char *zero = emit_late_zeros(e, argument);
+	int rows = emit_arguments(e)->arguments[argument].rows, kept = rows;
+
+	for (int i = 0; i < rows && zero; i++)
+		kept -= zero[i];
+	return kept;
+}
+
+static struct turned turned(const struct emission *e)
+{
+	const struct dag *d = emit_arguments(e);
+	int *kept = arena_alloc(e->arena, (size_t)d->argument_count + 1, sizeof *kept);
+
+	for (int i = 0; i < d->argument_count && kept; i++)
+		kept[i] = kept_rows(e, i);
+	return turned_of(d, kept, e->options);
 }
 
 int emit_turned_samples(const struct emission *e)
 {
-	return turned_samples(emit_arguments(e), e->options);
+	return turned(e).samples;
 }
 
 void emit_turn_samples(const struct emission *e, struct text *out)
@@ -48,32 +63,59 @@ static int outputs_of(const struct emission *e)
 	return count;
 }
 
-/* One for each output. */
-static const char *cases_text(const struct emission *e)
+/* Of an array with zeros, the runs of rows that are none. Returns how many. */
+static int put_kept_runs(const struct emission *e, int argument, struct text *out)
 {
-	const struct dag *d = emit_arguments(e);
-	struct text t;
-	int number = 0;
+	const unsigned char *zero = emit_late_zeros(e, argument);
+	int rows = emit_arguments(e)->arguments[argument].rows, runs = 0, before = 0;
 
-	text_init(&t, e->arena);
-	for (int i = 0; i < d->argument_count; i++) {
-		const struct argument *a = &d->arguments[i];
-		int zeros = a->is_output ? emit_late_zeros(e, i) : 0;
-
-		if (a->is_output)
-			text_printf(&t, "\tcase %d:\n\t\trneagen_turn<%d, %d>(%s + first*%d, samples, slices, %s);\n\t\tbreak;\n", number++,
-				a->rows, zeros, a->name, a->rows, zeros ? text_format(e->arena, "%s_%s_zeros", e->options->name, a->name) : "0");
+	for (int i = 0, end; i < rows && zero; i = end) {
+		for (end = i; end < rows && !zero[end]; end++)
+			;
+		if (end > i)
+			text_printf(out, "%s{%d, %d, %d}", runs++ ? ", " : "", i, end - i, before);
+		before += end - i;
+		for (; end < rows && zero[end]; end++)
+			;
 	}
-	return text_string(&t);
+	return runs;
+}
+
+/* The table of these, and the case of the kernel that turns the array. */
+static void put_output(const struct emission *e, int argument, int number, struct text *tables, struct text *cases)
+{
+	const struct argument *a = &emit_arguments(e)->arguments[argument];
+	int kept = kept_rows(e, argument), runs;
+	const char *name = "0";
+	struct text list;
+
+	text_init(&list, e->arena);
+	runs = kept < a->rows ? put_kept_runs(e, argument, &list) : 0;
+	if (runs) {
+		name = text_format(e->arena, "%s_%s_kept", e->options->name, a->name);
+		text_printf(tables, "static __constant__ const unsigned %s[%d][3] = {%s};\n", name, runs, text_string(&list));
+	}
+	text_printf(cases, "\tcase %d:\n\t\trneagen_turn<%d>(%s + first*%d, samples, slices, %d, %s, %d);\n\t\tbreak;\n", number, a->rows,
+		a->name, a->rows, kept, name, runs);
 }
 
 void emit_turn(const struct emission *e, struct text *out)
 {
 	if (!e->is_turned)
 		return;
+	const struct dag *d = emit_arguments(e);
+	struct turned t = turned(e);
+	struct text tables, cases;
+	int number = 0;
+
+	text_init(&tables, e->arena);
+	text_init(&cases, e->arena);
+	for (int i = 0; i < d->argument_count; i++)
+		if (d->arguments[i].is_output)
+			put_output(e, i, number++, &tables, &cases);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", emit_main(e)->algorithm->name}, {"T", e->memory->type},
-		{"THREADS", emit_int(e, TURNED_THREADS)}, {"BYTES", emit_int(e, bytes_of(e))},
-		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"CASES", cases_text(e)}};
+		{"THREADS", emit_int(e, t.threads)}, {"BYTES", emit_int(e, t.bytes)}, {"TABLES", text_string(&tables)},
+		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"CASES", text_string(&cases)}};
 
 	template_expand(out, template_turn_in, slots, sizeof slots / sizeof *slots);
 }
@@ -102,6 +144,8 @@ const char *emit_launch_unturned(const struct emission *e)
 
 void emit_info_turn(const struct emission *e, struct text *out)
 {
+	struct turned t = turned(e);
+
 	if (e->is_turned)
-		text_printf(out, "turn %d %d %d\n", emit_turned_samples(e), TURNED_THREADS, bytes_of(e));
+		text_printf(out, "turn %d %d %d\n", t.samples, t.threads, t.bytes);
 }

@@ -248,7 +248,7 @@ START_TEST(test_turned)
 	struct trial t;
 
 	trial_open(&t, s, s->blocks[0]);
-	ck_assert_ptr_nonnull(strstr(t.text.text.source, _i < 2 ? "\"turn 16 256 " : "\"turn 4 256 "));
+	ck_assert_ptr_nonnull(strstr(t.text.text.source, _i < 2 ? "\"turn 16 " : "\"turn 4 "));
 	ck_assert(COUNT % 16 != 0);
 	for (int b = 0; b < 3 && s->blocks[b]; b++)
 		if (exhaustive() || !b)
