@@ -4,6 +4,7 @@
 #include "base/template.h"
 #include "choices.h"
 #include "emit/emit.h"
+#include "plan/grid/base_first.h"
 #include "plan/limbs/limb_limits.h"
 #include "plan/lanes/lanes.h"
 #include "plan/segments.h"
@@ -171,7 +172,7 @@ static enum rneagen_code limbs_make_all(struct generation *g)
 
 	if ((!are_apart && !g->is_turned && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
 		return a->error->code;
-	if (are_apart)
+	if (are_apart && !base_first_is(g->parts, g->part_count, &a->request))
 		limbs_beside_parts(&g->functions[0].limbs, g->part_count, &a->request, &a->options);
 	return !g->relay || relay_limbs(g->relay, &a->request, &o, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }

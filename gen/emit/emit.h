@@ -4,6 +4,7 @@
 
 #include "emit/number_type.h"
 #include "emit/target_type.h"
+#include "plan/grid/base_first.h"
 #include "plan/grid/relay.h"
 #include "plan/lanes/angles.h"
 #include "rneagen.h"
@@ -91,10 +92,15 @@ static inline int emit_hands(const struct emission *e)
 	return count;
 }
 
-/* Are these no hands, but what finds qdd and mu first (plan/grid/found.h)? */
+/* Are these no hands, but what finds qdd and mu first (plan/grid/found.h), or the base's acceleration (plan/grid/base_first.h)? */
+static inline int emit_finds_base(const struct emission *e)
+{
+	return base_first_is(e->parts, e->part_count, e->request);
+}
+
 static inline int emit_finds_first(const struct emission *e)
 {
-	return e->request->is_forward && emit_hands(e) > 0;
+	return e->request->is_forward && emit_hands(e) > 0 && !emit_finds_base(e);
 }
 
 /* How many kernels hands have; how many parts the kernel `level` of these has; what it is called after the function. */

@@ -74,6 +74,12 @@ static int is_less(struct waiting a, struct waiting b)
 	return a.spilled != b.spilled ? a.spilled < b.spilled : a.sum < b.sum;
 }
 
+static struct waiting write_by_inputs(struct orderer *x, size_t room)
+{
+	order_write(x, ORDER_INPUTS);
+	return waiting_in(x, x->order, room);
+}
+
 /* Leaves the lines in the order in which fewer values wait, of the first so many. */
 static struct waiting write_best(struct orderer *x, int ways, size_t room)
 {
@@ -187,6 +193,8 @@ static int takes(struct waiting w, struct waiting own, size_t room, const struct
 {
 	if (what == ORDERED_LOOPS)
 		return 1;
+	if (what == ORDERED_BASE)
+		return is_less(w, own);
 	if (what == ORDERED_PART)
 		return is_better_for_part(w, own);
 	return is_acceleration(k) ? is_better_for_accelerations(w, own, room) : is_better(w, own, room);
@@ -204,7 +212,8 @@ int plan_order(struct function *p, const struct tree *t, const struct request *k
 	done = order_begin(&x, &spare);
 	if (done) {
 		struct waiting own = waiting_in(&x, NULL, room);
-		struct waiting w = write_best(&x, is_acceleration(k) ? ORDER_WAYS : 1, room);
+		struct waiting w = what == ORDERED_BASE ? write_by_inputs(&x, room) :
+			write_best(&x, is_acceleration(k) ? ORDER_WAYS : 1, room);
 
 		if (takes(w, own, room, k, what) && reads_first(&x, &spare))
 			done = takes_over(&x, p, a, &spare);

@@ -1,5 +1,5 @@
-/* Writes lines: the rows of the last joints first, each with what it takes and nothing else, and a line as soon as no more
-   values wait after it than before. */
+/* Writes lines: the rows of the last joints first, each with what it takes and nothing else, or what the first joints are enough
+   for; and a line as soon as no more values wait after it than before. */
 #include "plan/order.h"
 #include <string.h>
 
@@ -48,6 +48,34 @@ static void find_taken(struct orderer *x)
 	}
 }
 
+/* The last row of the joint that an input is of; -1: it is of none. */
+static int row_of_input(const struct orderer *x, const struct node *n)
+{
+	const struct argument *a = &x->p->dag->arguments[n->arg[0].i];
+	const struct tree_joint *j = NULL;
+	int row = (int)n->arg[1].i;
+
+	if (a->role == ROLE_JOINT_POSITION)
+		j = tree_joint_of_q(x->t, row);
+	else if (a->rows == x->t->nv && !a->per_batch)
+		j = tree_joint_of_row(x->t, row);
+	return j ? j->iv + j->nv - 1 : -1;
+}
+
+static void find_reach(struct orderer *x)
+{
+	const struct dag *d = x->p->dag;
+
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+
+		x->reach[i] = n->op == OP_INPUT && n->arg[0].i != DAG_STRUCK ? row_of_input(x, n) : -1;
+		for (int k = 0; k < op_arity[n->op]; k++)
+			if (x->reach[n->arg[k].i] > x->reach[i])
+				x->reach[i] = x->reach[n->arg[k].i];
+	}
+}
+
 /* With the neediest operand first, each next one has one value more beside it. */
 static uint32_t need_of(const struct orderer *x, uint32_t line)
 {
@@ -80,6 +108,7 @@ int order_begin(struct orderer *x, struct arena *a)
 	x->wait = arena_alloc(a, lines, sizeof *x->wait);
 	x->need = arena_alloc(a, lines, sizeof *x->need);
 	x->takes = arena_alloc(a, nodes, 1);
+	x->reach = arena_alloc(a, nodes, sizeof *x->reach);
 	x->cone = arena_alloc(a, lines, sizeof *x->cone);
 	x->done = arena_alloc(a, lines, 1);
 	x->order = arena_alloc(a, lines, sizeof *x->order);
@@ -90,6 +119,7 @@ int order_begin(struct orderer *x, struct arena *a)
 		return 0;
 	find_readers(x);
 	find_taken(x);
+	find_reach(x);
 	for (uint32_t i = 0; i < lines; i++)
 		x->need[i] = need_of(x, i);
 	return 1;
@@ -229,9 +259,19 @@ static void begin_writing(struct orderer *x, uint32_t end)
 	order_find_left(x);
 }
 
-void order_write(struct orderer *x, enum order_way way)
+static void write_by_inputs(struct orderer *x)
 {
-	begin_writing(x, (uint32_t)x->p->line_count);
+	for (x->row = 0; x->row < x->t->nv; x->row++)
+		for (uint32_t i = 0; i < x->p->line_count; i++) {
+			const struct line *l = &x->p->lines[i];
+
+			if (!x->done[i] && l->kind != LINE_SECTION && l->kind != LINE_INPUT && x->reach[l->value.i] <= x->row)
+				write_with_operands(x, i);
+		}
+}
+
+static void write_by_rows(struct orderer *x, enum order_way way)
+{
 	for (x->row = x->t->nv - 1; x->row >= 0; x->row--)
 		for (uint32_t i = 0; i < x->p->line_count; i++) {
 			if (x->p->lines[i].kind != LINE_STORE || x->done[i] || row_of(x, &x->p->lines[i]) != x->row)
@@ -240,6 +280,15 @@ void order_write(struct orderer *x, enum order_way way)
 				write_bias(x, i);
 			write_with_operands(x, i);
 		}
+}
+
+void order_write(struct orderer *x, enum order_way way)
+{
+	begin_writing(x, (uint32_t)x->p->line_count);
+	if (way == ORDER_INPUTS)
+		write_by_inputs(x);
+	else
+		write_by_rows(x, way);
 }
 
 void order_write_early(struct orderer *x, uint32_t end)

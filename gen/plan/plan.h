@@ -120,9 +120,9 @@ struct operation_count {
 /* The DAG must be fused. Returns 0 when memory runs out. */
 int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a);
 
-/* What is put into another order: a function, a part that shares nothing with others, or what has loops over limbs, which takes
-   any order in which rows are written late. */
-enum plan_ordered { ORDERED_WHOLE, ORDERED_PART, ORDERED_LOOPS };
+/* What is put into another order: a function, a part that shares nothing with others, what has loops over limbs, which takes
+   any order in which rows are written late, or what makes the base's acceleration of all limbs, one after the other. */
+enum plan_ordered { ORDERED_WHOLE, ORDERED_PART, ORDERED_LOOPS, ORDERED_BASE };
 
 /* There is room for the line. */
 void plan_add_line(struct plan *p, enum line_kind kind, struct ref value, size_t index);

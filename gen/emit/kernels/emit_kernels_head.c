@@ -44,6 +44,15 @@ static void put_found(const struct emission *e, struct text *out)
 		name, function, name, function, parts > 1 ? text_format(e->arena, ", with %d blocks along y,", parts) : "", name, function);
 }
 
+/* Rows of the base, which the kernel reads from qdd. */
+static void put_base(const struct emission *e, struct text *out)
+{
+	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
+
+	text_printf(out, " * %s_%s_launch runs two kernels. %s_%s_hands_kernel makes the base's acceleration, in its rows of qdd;\n"
+		" * %s_%s_kernel reads it from there and makes those of the joints.\n", name, function, name, function, name, function);
+}
+
 static void put_limbs(const struct emission *e, const char *start, const struct limbs *s, struct text *out)
 {
 	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
@@ -70,6 +79,8 @@ void emit_kernels_head(const struct emission *e, struct text *out)
 		put_relay(e, out);
 	if (emit_finds_first(e))
 		put_found(e, out);
+	else if (emit_finds_base(e))
+		put_base(e, out);
 	else if (emit_hands(e))
 		put_hands(e, out);
 	if (e->part_count - emit_hands(e) > 1)

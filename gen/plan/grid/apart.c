@@ -1,6 +1,7 @@
 /* Which texts have such parts, and whether they pay. */
 #include "plan/grid/apart.h"
 #include "plan/grid/again.h"
+#include "plan/grid/base_first.h"
 #include "plan/grid/found.h"
 #include "plan/grid/hands/hands.h"
 #include "plan/grid/joined.h"
@@ -341,6 +342,8 @@ int apart_make(struct part **parts, int *count, const struct parts_of *x, struct
 		is_made = make_parts(parts, count, x, &spare, a);
 	if (is_made && !*count)
 		is_made = found_make(parts, count, x, &spare, a);
+	if (is_made && !*count)
+		is_made = base_first_make(parts, count, x, &spare, a);
 	arena_free(&spare);
 	return is_made;
 }

@@ -4,7 +4,9 @@
 struct finder {
 	const struct dag *d;
 	int rows;              /* of the robot; an output's are those, once or more */
-	unsigned char *varies; /* by node: it is made of what each sample has of its own */
+	const struct tree *t;  /* whose first so many rows join nothing */
+	int base;
+	unsigned char *varies; /* by node: it is made of what each sample has of its own, beside those rows */
 	int *output;           /* by node: 1 + an output that takes it; 0: none does */
 	int *joined;           /* by output: another one that it is joined to, or itself */
 };
@@ -59,9 +61,20 @@ static void take_left(struct finder *f)
 		}
 }
 
-static int find(struct finder *f, const struct dag *d, int rows, struct arena *a)
+static int is_of_base(const struct finder *f, const struct node *n)
 {
-	*f = (struct finder){.d = d, .rows = rows, .varies = arena_alloc(a, d->count, 1),
+	int row = (int)n->arg[1].i;
+
+	if (f->base && f->d->arguments[n->arg[0].i].role == ROLE_JOINT_POSITION)
+		return tree_joint_of_q(f->t, row)->iv < f->base;
+	return row < f->base;
+}
+
+static int find(struct finder *f, struct arena *a)
+{
+	const struct dag *d = f->d;
+
+	*f = (struct finder){.d = d, .rows = f->rows, .t = f->t, .base = f->base, .varies = arena_alloc(a, d->count, 1),
 		.output = arena_alloc(a, d->count, sizeof *f->output), .joined = arena_alloc(a, d->output_count + 1, sizeof *f->joined)};
 	if (a->failed)
 		return 0;
@@ -69,7 +82,7 @@ static int find(struct finder *f, const struct dag *d, int rows, struct arena *a
 		const struct node *n = &d->nodes[i];
 
 		if (n->op == OP_INPUT)
-			f->varies[i] = n->arg[0].i != DAG_STRUCK && !d->arguments[n->arg[0].i].per_batch;
+			f->varies[i] = n->arg[0].i != DAG_STRUCK && !d->arguments[n->arg[0].i].per_batch && !is_of_base(f, n);
 		for (int k = 0; k < op_arity[n->op]; k++)
 			f->varies[i] |= f->varies[n->arg[k].i];
 	}
@@ -151,20 +164,33 @@ static int deal_out(const struct limb *limbs, int count, int *part)
 	return parts;
 }
 
-int joined_own(int *owner, const struct dag *d, int nv, struct arena *a)
+static int own(int *owner, struct finder *f, struct arena *a)
 {
-	size_t rows = (size_t)nv + 1;
+	size_t rows = (size_t)f->rows + 1;
 	struct limb *limbs = arena_alloc(a, rows, sizeof *limbs);
 	int *part = arena_alloc(a, rows, sizeof *part), count;
-	struct finder f;
 
-	if (!find(&f, d, nv, a))
+	if (!find(f, a))
 		return 0;
-	count = limbs_of(&f, limbs, a);
+	count = limbs_of(f, limbs, a);
 	if (a->failed)
 		return 0;
 	count = deal_out(limbs, count, part);
-	for (size_t i = 0; i < d->output_count; i++)
-		owner[i] = part[row_of(&f, i)];
+	for (size_t i = 0; i < f->d->output_count; i++)
+		owner[i] = part[row_of(f, i)];
 	return count;
+}
+
+int joined_own(int *owner, const struct dag *d, int nv, struct arena *a)
+{
+	struct finder f = {.d = d, .rows = nv};
+
+	return own(owner, &f, a);
+}
+
+int joined_own_beyond(int *owner, const struct dag *d, const struct tree *t, int base, struct arena *a)
+{
+	struct finder f = {.d = d, .rows = t->nv, .t = t, .base = base};
+
+	return own(owner, &f, a);
 }

@@ -29,6 +29,7 @@ static const struct subject {
 	{"chain_75", "", 0, 0, "524288", 1},			       /* hands, and rows with a gap */
 	{"atlas", "", 0, 0, "524288", 0},			       /* whole */
 	{"atlas", "want qdd\n", 0, 0, "524288", 1},
+	{"atlas", "want qdd\n", 1, 0, "16384", 1},			       /* the base's acceleration first */
 	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, 5, "16896", 1},
 };
 enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
