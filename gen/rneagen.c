@@ -172,7 +172,9 @@ static enum rneagen_code limbs_make_all(struct generation *g)
 
 	if ((!are_apart && !g->is_turned && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
 		return a->error->code;
-	if (are_apart && !base_first_is(g->parts, g->part_count, &a->request))
+	if (base_first_is(g->parts, g->part_count, &a->request))
+		limbs_beside_base(&g->functions[0].limbs);
+	else if (are_apart)
 		limbs_beside_parts(&g->functions[0].limbs, g->part_count, &a->request, &a->options);
 	return !g->relay || relay_limbs(g->relay, &a->request, &o, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }

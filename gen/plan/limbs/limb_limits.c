@@ -93,6 +93,10 @@ enum { MOST_BESIDE_PARTS = 256, MOST_BESIDE_QDD_F64 = 32 };
    0.89 2.37; floating g1_29dof 0.43 0.77 0.85 1.92; simple_humanoid 0.63 1.07 1.17 4.25 (results/limbs_h200.csv). */
 enum { MOST_BESIDE_AGAIN = 2048 };
 
+/* Beside two kernels for the base's acceleration and for the rest, at least. H200, us of 4096 and 8192 samples, limbs and those:
+   floating atlas 22 42, 25 47, g1_29dof 31 45, 42 51, in aos 32 45, 64 51. */
+enum { MOST_BESIDE_BASE = 4096 };
+
 /* Outputs that go through windows have no limbs, whose warps would write elements that stand a sample apart (64 to 4096 samples,
    both gradients of hyq, whole matrices: 21 us, through windows 8.6). */
 
@@ -340,4 +344,10 @@ void limbs_beside_parts(struct limbs *s, int parts, const struct request *k, con
 	s->most = parts == 1 && number_bytes(o) == 8 ? MOST_BESIDE_AGAIN : most_unfitted(s, 1, number_bytes(o));
 	if (parts > 1 && (k->is_forward || request_wants_derivative(k)) && s->most > most)
 		s->most = most;
+}
+
+void limbs_beside_base(struct limbs *s)
+{
+	if (s->most < MOST_BESIDE_BASE)
+		s->most = MOST_BESIDE_BASE;
 }

@@ -210,7 +210,9 @@ static void expect_limbs(const struct subject *s, const char *source)
 	if (!line)
 		return;
 	ck_assert_int_eq(sscanf(line, "\"whole_limbs %*u %*u %*u %u", &most), 1);
-	if (s->parts > 1 && !finds_base(s) && (strstr(s->scene, "qdd") || strstr(s->scene, "vjp")))
+	if (finds_base(s))
+		ck_assert_uint_ge(most, 4096);
+	else if (s->parts > 1 && (strstr(s->scene, "qdd") || strstr(s->scene, "vjp")))
 		ck_assert_uint_le(most, 256);
 	else if (!strcmp(s->name, "atlas"))
 		ck_assert_uint_gt(most, 256);
