@@ -1,6 +1,6 @@
 #ifndef RNEAGEN_PARTS_PUT_H
 #define RNEAGEN_PARTS_PUT_H
-/* The parts of a grid, told: nothing where there are none. */
+/* The parts of a grid and its kernels, told: nothing where there are none. */
 
 #include "emit/emit.h"
 

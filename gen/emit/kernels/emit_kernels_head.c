@@ -93,7 +93,7 @@ void emit_kernels_head(const struct emission *e, struct text *out)
 	if (e->is_turned)
 		text_printf(out, " * %s_%s_launch runs %s_%s_turn_kernel last: it turns outputs that the others have written as [row][sample]\n"
 			" * of %d samples at a time.\n", e->options->name, emit_main(e)->algorithm->name, e->options->name,
-			emit_main(e)->algorithm->name, emit_turned_samples(e));
+			emit_main(e)->algorithm->name, emit_turned(e).samples);
 	if (emit_joints_again(e))
 		text_printf(out, " * The %s kernel makes some motion again, by stretches of at most %d joints, instead of keeping it.\n",
 			emit_main(e)->algorithm->name, emit_joints_again(e));

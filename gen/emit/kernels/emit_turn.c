@@ -2,7 +2,6 @@
 #include "emit/kernels/emit_turn.h"
 #include "base/template.h"
 #include "plan/stage.h"
-#include "plan/turned.h"
 
 static int kept_rows(const struct emission *e, int argument)
 {
@@ -14,7 +13,7 @@ static int kept_rows(const struct emission *e, int argument)
 	return kept;
 }
 
-static struct turned turned(const struct emission *e)
+struct turned emit_turned(const struct emission *e)
 {
 	const struct dag *d = emit_arguments(e);
 	int *kept = arena_alloc(e->arena, (size_t)d->argument_count + 1, sizeof *kept);
@@ -24,15 +23,10 @@ static struct turned turned(const struct emission *e)
 	return turned_of(d, kept, e->options);
 }
 
-int emit_turned_samples(const struct emission *e)
-{
-	return turned(e).samples;
-}
-
 void emit_turn_samples(const struct emission *e, struct text *out)
 {
 	if (e->is_turned)
-		text_printf(out, "#define RNEA_TURN %d /* samples whose outputs are turned at a time */\n\n", emit_turned_samples(e));
+		text_printf(out, "#define RNEA_TURN %d /* samples whose outputs are turned at a time */\n\n", emit_turned(e).samples);
 }
 
 /* `array + k` is then the sample's first row, and `count` the way to the next one. */
@@ -104,7 +98,7 @@ void emit_turn(const struct emission *e, struct text *out)
 	if (!e->is_turned)
 		return;
 	const struct dag *d = emit_arguments(e);
-	struct turned t = turned(e);
+	struct turned t = emit_turned(e);
 	struct text tables, cases;
 	int number = 0;
 
@@ -144,7 +138,7 @@ const char *emit_launch_unturned(const struct emission *e)
 
 void emit_info_turn(const struct emission *e, struct text *out)
 {
-	struct turned t = turned(e);
+	struct turned t = emit_turned(e);
 
 	if (e->is_turned)
 		text_printf(out, "turn %d %d %d\n", t.samples, t.threads, t.bytes);

@@ -3,9 +3,10 @@
 /* Outputs that are turned at the end, in layout aos (plan/turned.h); "" where a text has none. */
 
 #include "emit/emit.h"
+#include "plan/turned.h"
 
-/* How many samples are turned at a time; the macro that says so, before the kernels. */
-int emit_turned_samples(const struct emission *e);
+/* Of the last kernel, where outputs are turned; the macro that says how many samples it turns at a time, before the kernels. */
+struct turned emit_turned(const struct emission *e);
 void emit_turn_samples(const struct emission *e, struct text *out);
 
 /* At the beginning of a kernel: of each output where the thread's block of samples stands, and its samples for a stride. */

@@ -240,6 +240,19 @@ static const struct subject TURNED[] = {
 
 enum { LITTLE = 64 << 10 }; /* shared memory of a GPU of compute capability 7.5 */
 
+/* --info=json says of the last kernel what the table says. */
+static void check_turned(const struct target *t, unsigned samples)
+{
+	const char *line = strstr(t->text.source, "\"turn ");
+	unsigned own, threads, bytes;
+	char member[80];
+
+	ck_assert(line && sscanf(line, "\"turn %u %u %u", &own, &threads, &bytes) == 3);
+	ck_assert_uint_eq(own, samples);
+	snprintf(member, sizeof member, "\"turned\": {\"samples\": %u, \"threads\": %u, \"bytes\": %u}", own, threads, bytes);
+	ck_assert_msg(strstr(t->text.info_json, member) != NULL, "no %s", member);
+}
+
 /* This would catch an element that stays where it was written, one of another group's samples, what is turned too early, and a
    text that takes more shared memory than a GPU has. */
 START_TEST(test_turned)
@@ -248,7 +261,7 @@ START_TEST(test_turned)
 	struct trial t;
 
 	trial_open(&t, s, s->blocks[0]);
-	ck_assert_ptr_nonnull(strstr(t.text.text.source, _i < 2 ? "\"turn 16 " : "\"turn 4 "));
+	check_turned(&t.text, _i < 2 ? 16 : 4);
 	ck_assert(COUNT % 16 != 0);
 	for (int b = 0; b < 3 && s->blocks[b]; b++)
 		if (exhaustive() || !b)
