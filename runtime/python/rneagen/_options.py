@@ -99,7 +99,7 @@ def names(keyword: str, x: Any) -> list[str]:
 def pairs(keyword: str, x: Any) -> list[str]:
     if hasattr(x, "items"):
         return [f"{name}={numbers(keyword, value)}" for name, value in x.items()]
-    if not isinstance(x, Iterable):
+    if not isinstance(x, Iterable) or hasattr(x, "__len__") and not all(isinstance(one, str) for one in x):
         raise TypeError(f'{keyword} takes {{"NAME": VALUE}}, not {x!r}')
     return names(keyword, x)
 
