@@ -44,7 +44,7 @@ struct dag_lanes {
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
 	SECTION_BY, SECTION_PRODUCTS, SECTION_FACTORS, SECTION_ARTICULATED, SECTION_INVERSE, SECTION_RESIDUAL,
 	SECTION_REFINED, SECTION_BOUND, SECTION_REGRESSOR, SECTION_PLACE, SECTION_JACOBIAN, SECTION_RATE, SECTION_SUBTREE,
-	SECTION_CENTROID, SECTION_FACTORED, SECTION_OPSPACE, SECTION_SWEEPS, SECTION_ROWS, SECTION_COLUMNS, SECTION_WAY,
+	SECTION_CENTROID, SECTION_FACTORED, SECTION_OPSPACE, SECTION_SWEEPS, SECTION_ROWS, SECTION_INPUTS, SECTION_COLUMNS, SECTION_WAY,
 	SECTION_COUNT };
 
 /* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
@@ -223,6 +223,12 @@ struct ref dag_input(struct dag *d, int argument, int row);
 struct ref dag_input_anew(struct dag *d, int argument, int row, int reading);
 /* In the loop over limbs of this number, from 1: the first limb's row, and where that of each other one is. It is wide. */
 struct ref dag_input_each(struct dag *d, int argument, int row, int loop);
+
+/* Is it neither a constant nor an input? */
+static inline int node_is_operation(const struct node *n)
+{
+	return n->op != OP_CONST && n->op != OP_INPUT;
+}
 
 /* Of an input: its loop over limbs; 0: it is read in none. */
 static inline int dag_loop_of(const struct node *input)

@@ -87,20 +87,26 @@ static inline int emit_hands(const struct emission *e)
 {
 	int count = 0;
 
-	while (count < e->part_count && e->parts[count].is_hand)
+	while (count < e->part_count && e->parts[count].is_before)
 		count++;
 	return count;
 }
 
-/* Are these no hands, but what finds qdd and mu first (plan/grid/found.h), or the base's acceleration (plan/grid/base_first.h)? */
+/* Is the kernel before not one of hands, but of what accelerations take? Of the base's acceleration (plan/grid/base_first.h)? Of
+   qdd and mu (plan/grid/found.h)? */
+static inline int emit_finds_first(const struct emission *e)
+{
+	return e->request->is_forward && emit_hands(e) > 0;
+}
+
 static inline int emit_finds_base(const struct emission *e)
 {
 	return base_first_is(e->parts, e->part_count, e->request);
 }
 
-static inline int emit_finds_first(const struct emission *e)
+static inline int emit_finds_mu(const struct emission *e)
 {
-	return e->request->is_forward && emit_hands(e) > 0 && !emit_finds_base(e);
+	return emit_finds_first(e) && !emit_finds_base(e);
 }
 
 /* How many kernels hands have; how many parts the kernel `level` of these has; what it is called after the function. */
@@ -329,6 +335,9 @@ void emit_zeros(const struct emission *e, struct text *out);
 const char *emit_zero_loops(const struct emission *e, const char *first, const char *step);
 /* Of an array, which rows are zeros that the kernel writes which turns outputs, 1 each; NULL: others have written all. */
 const unsigned char *emit_late_zeros(const struct emission *e, int argument);
+
+/* Where the run ends of elements that are as the first one is. */
+int emit_run_end(const unsigned char *mask, int rows, int first);
 
 /* `{10, 7}, {18, 2}`: the rows of an array that these outputs leave always zero, from a row on so many. Returns how many such
    runs there are. */

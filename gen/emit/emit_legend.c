@@ -193,9 +193,9 @@ static void put_parts(const struct emission *e, struct text *out)
 	const struct dag *d = &emit_main(e)->dag;
 
 	if (emit_hands(e) && somewhere(e, is_left))
-		put_entry(d->arguments[parts_handed(d)].name, emit_finds_first(e) || emit_finds_base(e) ? "what the kernel before has found of the row" :
+		put_entry(d->arguments[parts_handed(d)].name, emit_finds_first(e) ? "what the kernel before has found of the row" :
 			"what a hand left in the row of the link's joint", out);
-	if (emit_finds_first(e))
+	if (emit_finds_mu(e))
 		put_entry("handed found mu step", "where qdd and mu stand in the vjp, or in slices; from a row to the next", out);
 	else if (emit_hands(e))
 		put_entry("handed gap step",

@@ -4,6 +4,7 @@
 #include "emit/emit.h"
 #include "emit/kernels/emit_kernel.h"
 #include "plan/stage.h"
+#include "plan/turned.h"
 #include "tree/lumps.h"
 #include "tree/pattern.h"
 
@@ -263,14 +264,22 @@ const char *emit_zeros_unless(const struct emission *e, const struct function *p
 	return text_format(e->arena, "!defined %s /* a kernel stores these zeros in a loop */", e->target->kernel->compiler);
 }
 
+int emit_run_end(const unsigned char *mask, int rows, int first)
+{
+	int end = first + 1;
+
+	while (end < rows && mask[end] == mask[first])
+		end++;
+	return end;
+}
+
 /* `{10, 7}, {18, 2}`: from a first row on, so many. */
 static int put_runs(const unsigned char *zero, int rows, struct text *out)
 {
 	int runs = 0;
 
 	for (int i = 0, end; i < rows; i = end) {
-		for (end = i + 1; end < rows && zero[end] == zero[i]; end++)
-			;
+		end = emit_run_end(zero, rows, i);
 		if (zero[i])
 			text_printf(out, "%s{%d, %d}", runs++ ? ", " : "", i, end - i);
 	}
@@ -303,10 +312,33 @@ static int zero_runs(const struct emission *e, int argument, struct text *out)
 	return emit_zero_runs(e, d, d->outputs, d->output_count, argument, out);
 }
 
-/* Of a relay the third kernel reads zeros where the second one leaves them. */
+/* By argument, the rows that are not always zero. */
+static int *kept_rows(const struct emission *e)
+{
+	const struct dag *d = stored_by(e);
+	int *kept = arena_alloc(e->arena, (size_t)d->argument_count + 1, sizeof *kept);
+
+	for (int i = 0; i < d->argument_count && kept; i++)
+		kept[i] = d->arguments[i].rows;
+	for (size_t i = 0; i < d->output_count && kept; i++)
+		kept[d->outputs[i].argument] -= output_is_zero(d, &d->outputs[i]);
+	return kept;
+}
+
+/* Does the kernel that turns outputs write the zeros? Not a relay's, whose third kernel reads them, nor where the tables for that
+   take more room than the zeros. */
 static int has_late_zeros(const struct emission *e)
 {
-	return e->is_turned && !e->relay && emit_has_zeros(e, emit_main(e));
+	const struct dag *d = stored_by(e);
+
+	return e->is_turned && !e->relay && emit_has_zeros(e, emit_main(e)) &&
+		turned_of(d, kept_rows(e), e->options).samples >= turned_of(d, NULL, e->options).samples;
+}
+
+/* Or do loops of the other kernels? */
+static int has_zero_loops(const struct emission *e)
+{
+	return emit_has_zeros(e, emit_main(e)) && !has_late_zeros(e);
 }
 
 const unsigned char *emit_late_zeros(const struct emission *e, int argument)
@@ -321,7 +353,7 @@ void emit_zeros(const struct emission *e, struct text *out)
 	const struct dag *d = &emit_main(e)->dag;
 	struct text tables, runs;
 
-	if (!emit_has_zeros(e, emit_main(e)) || has_late_zeros(e))
+	if (!has_zero_loops(e))
 		return;
 	text_init(&tables, e->arena);
 	for (int i = 0; i < d->argument_count; i++) {
@@ -343,7 +375,9 @@ const char *emit_zero_loops(const struct emission *e, const char *first, const c
 	struct text loops, runs, place;
 
 	text_init(&loops, e->arena);
-	for (int i = 0; i < d->argument_count && emit_has_zeros(e, emit_main(e)) && !has_late_zeros(e); i++) {
+	if (!has_zero_loops(e))
+		return text_string(&loops);
+	for (int i = 0; i < d->argument_count; i++) {
 		const struct argument *a = &d->arguments[i];
 		int count = zero_runs(e, i, &runs);
 

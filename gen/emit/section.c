@@ -68,6 +68,7 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 		"joint's q and qd, which change accelerations by alpha x r + beta x r' + gamma, by sn.alpha + sm.beta + sf.gamma;\n\t   "
 		"the joint feels z.nq and z.nd, or z.fq and z.fd",
 	[SECTION_ROWS] = "in an order in which few values wait: what the rows of the joint take, and what is complete then",
+	[SECTION_INPUTS] = "in an order in which few values wait: what the inputs of the joints so far are enough for",
 	[SECTION_SWEEPS] = "of the outputs y by the state x and other inputs, dqdd = M^-1 (dtau - dID) where qdd is found:\n\t   "
 			   "jvp = dy/dx jvp_v, forwards;  vjp = vjp_v' dy/dx, backwards",
 	[SECTION_PLACE] = "R = R_p X R(q);  p = p_p + R_p x",
@@ -147,7 +148,7 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
 
 /* Of others, what is before the name of a joint, or before the number and the name of a link. */
-static const char *const ABOUT[SECTION_COUNT] = {[SECTION_BY] = "derivatives by", [SECTION_ROWS] = "rows of",
+static const char *const ABOUT[SECTION_COUNT] = {[SECTION_BY] = "derivatives by", [SECTION_ROWS] = "rows of", [SECTION_INPUTS] = "with the inputs up to",
 	[SECTION_REGRESSOR] = "torques by the inertial parameters of link"};
 static const char *const ABOUT_LINKS[SECTION_COUNT] = {[SECTION_OUT] = "out to", [SECTION_BACK] = "back from",
 	[SECTION_PLACE] = "place of", [SECTION_WAY] = "coordinates go back from",

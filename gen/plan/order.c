@@ -2,7 +2,7 @@
    after all that it reads: nearly every value of the tour would wait for it. Here the rows of the last joints come
    first, each with what it takes and nothing else, and a line is written as soon as no more values wait after it than
    before. Or the bias comes before the row that takes it, and only then the factors of M: few values are left of the
-   bias, and many of the factors. */
+   bias, and many of the factors. What makes a base's acceleration alone goes joint after joint (grid/base_first.h). */
 #include "plan/order.h"
 #include "plan/stage.h"
 
@@ -74,26 +74,21 @@ static int is_less(struct waiting a, struct waiting b)
 	return a.spilled != b.spilled ? a.spilled < b.spilled : a.sum < b.sum;
 }
 
-static struct waiting write_by_inputs(struct orderer *x, size_t room)
+static struct waiting write_as(struct orderer *x, enum order_way way, size_t room)
 {
-	order_write(x, ORDER_INPUTS);
+	order_write(x, way);
 	return waiting_in(x, x->order, room);
 }
 
-/* Leaves the lines in the order in which fewer values wait, of the first so many. */
-static struct waiting write_best(struct orderer *x, int ways, size_t room)
+/* By rows, with the bias first or not: leaves the lines in the order in which fewer values wait. */
+static struct waiting write_by_rows(struct orderer *x, int has_bias, size_t room)
 {
-	struct waiting found[ORDER_WAYS];
-	int best = 0;
+	struct waiting rows = write_as(x, ORDER_ROWS, room), bias;
 
-	for (int way = 0; way < ways; way++) {
-		order_write(x, (enum order_way)way);
-		found[way] = waiting_in(x, x->order, room);
-		best = is_less(found[way], found[best]) ? way : best;
-	}
-	if (best < ways - 1)
-		order_write(x, (enum order_way)best);
-	return found[best];
+	if (!has_bias)
+		return rows;
+	bias = write_as(x, ORDER_BIAS, room);
+	return is_less(bias, rows) ? bias : write_as(x, ORDER_ROWS, room);
 }
 
 /* Where tau has the place of qdd in shared memory: is each joint's qdd read before its torque is stored? The torque of a
@@ -148,9 +143,10 @@ static void copy_line(const struct orderer *x, const struct line *l, struct dag 
 	dag_output(out, d->outputs[l->index].argument, d->outputs[l->index].row, map[l->value.i]);
 }
 
-/* With a section for the rows of each joint. */
+/* With a section for the rows of each joint, or for what its inputs are enough for. */
 static void copy_all(const struct orderer *x, struct dag *out, struct ref *map)
 {
+	const enum section_kind kind = x->way == ORDER_INPUTS ? SECTION_INPUTS : SECTION_ROWS;
 	int body = -1;
 
 	out->width = x->p->dag->width;
@@ -161,7 +157,7 @@ static void copy_all(const struct orderer *x, struct dag *out, struct ref *map)
 		int next = tree_joint_of_row(x->t, x->row_at[i])->body;
 
 		if (next != body)
-			dag_section(out, SECTION_ROWS, next);
+			dag_section(out, kind, next);
 		body = next;
 		copy_line(x, &x->p->lines[x->order[i]], out, map);
 	}
@@ -212,8 +208,7 @@ int plan_order(struct function *p, const struct tree *t, const struct request *k
 	done = order_begin(&x, &spare);
 	if (done) {
 		struct waiting own = waiting_in(&x, NULL, room);
-		struct waiting w = what == ORDERED_BASE ? write_by_inputs(&x, room) :
-			write_best(&x, is_acceleration(k) ? ORDER_WAYS : 1, room);
+		struct waiting w = what == ORDERED_BASE ? write_as(&x, ORDER_INPUTS, room) : write_by_rows(&x, is_acceleration(k), room);
 
 		if (takes(w, own, room, k, what) && reads_first(&x, &spare))
 			done = takes_over(&x, p, a, &spare);

@@ -7,6 +7,10 @@
 /* Inputs that tell the bias from the rest of forward dynamics. */
 enum { TAKES_VELOCITIES = 1, TAKES_TORQUES = 2 };
 
+/* The rows of the last joints first, or before each of them the bias that it takes. Or joint after joint, what the inputs up to its
+   own are enough for: little but what the trunk needs is left of a limb when the next one begins. */
+enum order_way { ORDER_ROWS, ORDER_BIAS, ORDER_INPUTS, ORDER_WAYS };
+
 struct orderer {
 	const struct plan *p;
 	const struct tree *t;
@@ -21,14 +25,11 @@ struct orderer {
 	unsigned char *done;       /* by line */
 	uint32_t end;              /* lines from here on stay where they are */
 	uint32_t *order, count;    /* lines */
-	int *row_at;               /* by place in that order: the row of qd for which the line was written */
+	enum order_way way;
+	int *row_at;               /* by place in that order: the row of qd for which the line was written, or whose inputs it waited for */
 	uint32_t *stack, *ready;
 	int row;
 };
-
-/* The rows of the last joints first, or before each of them the bias that it takes. Or joint after joint, what the inputs up to its
-   own are enough for: little but what the trunk needs is left of a limb when the next one begins. */
-enum order_way { ORDER_ROWS, ORDER_BIAS, ORDER_WAYS, ORDER_INPUTS = ORDER_WAYS };
 
 /* Arrays of an orderer whose p and t are set. Returns 0 when memory runs out. */
 int order_begin(struct orderer *x, struct arena *a);
@@ -36,7 +37,7 @@ int order_begin(struct orderer *x, struct arena *a);
 /* How many lines will read each value. */
 void order_find_left(struct orderer *x);
 
-/* Writes all lines that a stored row takes. */
+/* Writes the lines in this way; by rows, those that a stored row takes. */
 void order_write(struct orderer *x, enum order_way way);
 
 /* Writes the lines as they stand, but before `end` a line as soon as no more values wait after it than before. */

@@ -48,28 +48,15 @@ static void find_taken(struct orderer *x)
 	}
 }
 
-/* The last row of the joint that an input is of; -1: it is of none. */
-static int row_of_input(const struct orderer *x, const struct node *n)
-{
-	const struct argument *a = &x->p->dag->arguments[n->arg[0].i];
-	const struct tree_joint *j = NULL;
-	int row = (int)n->arg[1].i;
-
-	if (a->role == ROLE_JOINT_POSITION)
-		j = tree_joint_of_q(x->t, row);
-	else if (a->rows == x->t->nv && !a->per_batch)
-		j = tree_joint_of_row(x->t, row);
-	return j ? j->iv + j->nv - 1 : -1;
-}
-
 static void find_reach(struct orderer *x)
 {
 	const struct dag *d = x->p->dag;
 
 	for (size_t i = 0; i < d->count; i++) {
 		const struct node *n = &d->nodes[i];
+		const struct tree_joint *j = n->op == OP_INPUT ? readings_joint(d, n, x->t) : NULL;
 
-		x->reach[i] = n->op == OP_INPUT && n->arg[0].i != DAG_STRUCK ? row_of_input(x, n) : -1;
+		x->reach[i] = j ? j->iv + j->nv - 1 : -1;
 		for (int k = 0; k < op_arity[n->op]; k++)
 			if (x->reach[n->arg[k].i] > x->reach[i])
 				x->reach[i] = x->reach[n->arg[k].i];
@@ -259,6 +246,7 @@ static void begin_writing(struct orderer *x, uint32_t end)
 	order_find_left(x);
 }
 
+/* Joint after joint, all lines that the inputs up to its own are enough for. */
 static void write_by_inputs(struct orderer *x)
 {
 	for (x->row = 0; x->row < x->t->nv; x->row++)
@@ -285,6 +273,7 @@ static void write_by_rows(struct orderer *x, enum order_way way)
 void order_write(struct orderer *x, enum order_way way)
 {
 	begin_writing(x, (uint32_t)x->p->line_count);
+	x->way = way;
 	if (way == ORDER_INPUTS)
 		write_by_inputs(x);
 	else

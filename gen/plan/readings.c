@@ -139,3 +139,13 @@ const unsigned char *readings_only_angles(const struct plan *p, struct arena *a)
 	arena_free(&spare);
 	return how;
 }
+
+const struct tree_joint *readings_joint(const struct dag *d, const struct node *input, const struct tree *t)
+{
+	const struct argument *a = input->arg[0].i == DAG_STRUCK ? NULL : &d->arguments[input->arg[0].i];
+	int row = (int)input->arg[1].i;
+
+	if (a && a->role == ROLE_JOINT_POSITION)
+		return tree_joint_of_q(t, row);
+	return a && a->rows == t->nv && !a->per_batch ? tree_joint_of_row(t, row) : NULL;
+}

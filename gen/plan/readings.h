@@ -27,6 +27,9 @@ int readings_alive(int *most, const struct plan *p, struct arena *a);
 /* The values that a line makes: 0 to 2, the sine before the cosine. Returns how many. */
 int readings_made(const struct plan *p, const struct line *l, struct ref made[2]);
 
+/* Whose entry of q, qd, qdd or tau an input is, or of an output that has a row for each of qd; NULL: no joint's. */
+const struct tree_joint *readings_joint(const struct dag *d, const struct node *input, const struct tree *t);
+
 /* By node: an input that only sines and cosines of these lines read. NULL when memory runs out. */
 const unsigned char *readings_only_angles(const struct plan *p, struct arena *a);
 

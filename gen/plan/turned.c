@@ -6,9 +6,9 @@
    have since compute capability 7.5. */
 enum { MANY = 16, SECTOR_BYTES = 32, MOST_BYTES = 64 << 10 };
 
-/* Blocks that shared memory allows are to fill a multiprocessor with threads. H200, one matrix of 900 rows of which 494 are kept, ps a
-   sample: f32 2080 with 256 threads, 1900 with 320, 1960 with 512; f64 by 8 samples 3740 with 256. With all rows in shared memory:
-   3400 in f32. */
+/* Blocks that shared memory allows, of the 227 KiB of an H100, are to fill a multiprocessor with threads. H200, a kernel alone that turns
+   900 rows of which 494 are kept, ps a sample: f32 2080 with 256 threads, 1900 with 320, 1960 with 512; f64 by 8 samples 3740 with 256.
+   With all rows in shared memory: 3400 in f32. */
 enum { SM_BYTES = 227 << 10, SM_THREADS = 2048, FEWEST_THREADS = 256, MOST_THREADS = 512, WARP = 32 };
 
 struct rneagen_options turned_options(const struct rneagen_options *o, int is_turned)

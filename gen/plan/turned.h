@@ -11,7 +11,8 @@ struct turned {
 	int samples, threads, bytes;
 };
 
-/* Of each argument so many rows are kept: all of an input, and those of an output that others write; NULL: all of them are. */
+/* `kept`, by argument: how many rows of an output the kernels before have written. The other rows are zero, and only the last kernel
+   writes them. NULL: all were written. */
 struct turned turned_of(const struct dag *d, const int *kept, const struct rneagen_options *o);
 
 /* May this be done with the matrices of a function, if it is in parts or a relay's? Not where all arrays have room as slices. */

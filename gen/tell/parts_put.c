@@ -14,7 +14,7 @@ void parts_put_table(const struct emission *e, struct text *out)
 
 		text_printf(out, "  %-10d %3d..%-3d %6u %6d%s", i, e->tree->bodies[p->first].number,
 			e->tree->bodies[p->last].number, plan_flops(part_operations(p)), p->alive,
-			p->is_hand ? "  in a kernel before" : "");
+			p->is_before ? "  in a kernel before" : "");
 		if (p->joints)
 			text_printf(out, "  motion made again, by stretches of at most %d joints", p->joints);
 		if (p->function.each)
@@ -41,9 +41,9 @@ void parts_put_json(const struct emission *e, struct text *out)
 		const struct part *p = &e->parts[i];
 
 		text_printf(out,
-			"%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d, \"hand\": %s, \"stretch\": %d, \"loops\": %d}",
+			"%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d, \"before\": %s, \"stretch\": %d, \"loops\": %d}",
 			i ? "," : "  \"parts\": [", e->tree->bodies[p->first].number, e->tree->bodies[p->last].number,
-			plan_flops(part_operations(p)), p->alive, p->is_hand ? "true" : "false", p->joints,
+			plan_flops(part_operations(p)), p->alive, p->is_before ? "true" : "false", p->joints,
 			p->function.each ? p->function.each->loops->count : 0);
 	}
 	text_put(out, e->part_count ? "\n  ],\n" : "");

@@ -5,10 +5,14 @@
 #include "emit/kernels/emit_tiles.h"
 #include "plan/tiles/tiles.h"
 
-/* Of matrices: from one warp for each scheduler of an H100 on. Of rows that move as tiles: from so many samples on, with a vjp, and
-   where the base's acceleration comes first: 16384 and 262144 samples of floating atlas take 69 and 508 us without, 57 and 415 with
-   them (H200). */
-enum { LEAST_SAMPLES = 132 * 128, LEAST_TILED = 1 << 19, LEAST_PRODUCT = 132 * 1920, LEAST_BASE = 1 << 14 };
+enum {
+	LEAST_SAMPLES = 132 * 128,  /* of matrices: one warp for each scheduler of an H100 */
+	LEAST_TILED = 1 << 19,      /* of rows that move as tiles */
+	LEAST_PRODUCT = 132 * 1920, /* of these, with a vjp */
+	/* where the base's acceleration comes first: 16384 and 262144 samples of floating atlas take 69 and 508 us without tiles, 57 and 415
+	   with them (H200) */
+	LEAST_BASE = 1 << 14
+};
 
 static int least_tiled(const struct emission *e)
 {

@@ -226,7 +226,7 @@ static void put_both(const struct emission *e, struct text *out)
 {
 	struct apart x = {.parts = e->parts, .words = emit_is_staged(e) ? emit_stage_words(e) : 0, .is_alone = emit_alone_least(e) > 0,
 		.function = emit_main(e)->algorithm->name, .bounds = ", RNEA_MIN_BLOCKS",
-		.what = emit_finds_first(e) || emit_finds_base(e) ? "What is found first; a launch runs this kernel before the one that reads it" :
+		.what = emit_finds_first(e) ? "What is found first; a launch runs this kernel before the one that reads it" :
 			"Hands, each a part; a launch runs this kernel before the one that reads what they hand on"};
 
 	for (int level = 0; level < emit_hand_levels(e); level++) {

@@ -77,7 +77,7 @@ void emit_kernels_head(const struct emission *e, struct text *out)
 {
 	if (e->relay)
 		put_relay(e, out);
-	if (emit_finds_first(e))
+	if (emit_finds_mu(e))
 		put_found(e, out);
 	else if (emit_finds_base(e))
 		put_base(e, out);

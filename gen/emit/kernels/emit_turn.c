@@ -64,13 +64,11 @@ static int put_kept_runs(const struct emission *e, int argument, struct text *ou
 	int rows = emit_arguments(e)->arguments[argument].rows, runs = 0, before = 0;
 
 	for (int i = 0, end; i < rows && zero; i = end) {
-		for (end = i; end < rows && !zero[end]; end++)
-			;
-		if (end > i)
-			text_printf(out, "%s{%d, %d, %d}", runs++ ? ", " : "", i, end - i, before);
+		end = emit_run_end(zero, rows, i);
+		if (zero[i])
+			continue;
+		text_printf(out, "%s{%d, %d, %d}", runs++ ? ", " : "", i, end - i, before);
 		before += end - i;
-		for (; end < rows && zero[end]; end++)
-			;
 	}
 	return runs;
 }
@@ -138,8 +136,10 @@ const char *emit_launch_unturned(const struct emission *e)
 
 void emit_info_turn(const struct emission *e, struct text *out)
 {
-	struct turned t = emit_turned(e);
+	struct turned t;
 
-	if (e->is_turned)
-		text_printf(out, "turn %d %d %d\n", t.samples, t.threads, t.bytes);
+	if (!e->is_turned)
+		return;
+	t = emit_turned(e);
+	text_printf(out, "turn %d %d %d\n", t.samples, t.threads, t.bytes);
 }

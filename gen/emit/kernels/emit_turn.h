@@ -9,7 +9,8 @@
 struct turned emit_turned(const struct emission *e);
 void emit_turn_samples(const struct emission *e, struct text *out);
 
-/* At the beginning of a kernel: of each output where the thread's block of samples stands, and its samples for a stride. */
+/* At the beginning of a kernel: moves each output to the thread's group of samples, and makes `count`, the stride, the number of
+   samples in it. */
 const char *emit_turn_begin(const struct emission *e);
 
 /* The last kernel; its launch, behind those of the others. */

@@ -187,7 +187,7 @@ static int make_hands(struct part *parts, const struct hands *h, const struct pa
 		level = h->list[i].level;
 		if (!make_part(&parts[i], &share, i, i, what, x, a))
 			return 0;
-		parts[i].is_hand = 1;
+		parts[i].is_before = 1;
 		parts[i].level = level;
 		parts[i].first = h->list[i].first;
 		parts[i].last = h->list[i].last;
@@ -195,11 +195,9 @@ static int make_hands(struct part *parts, const struct hands *h, const struct pa
 	return 1;
 }
 
-static int make_limbs(struct part *parts, int first, int count, const struct dag *d, const int *owner, const struct parts_of *x,
-	struct arena *spare, struct arena *a)
+int apart_make_limbs(struct part *parts, int first, int count, const struct dag *d, const int *owner, const char *what,
+	const struct parts_of *x, struct arena *spare, struct arena *a)
 {
-	const char *what = first + count > 1 ? "limbs that share nothing with the others"
-		: "the whole, where some of the motion is made again";
 	struct share share;
 
 	if (!share_begin(&share, d, owner, spare))
@@ -225,13 +223,16 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	const struct dag *d = h->count ? &h->levels[h->level_count - 1].rest : x->raw;
 	int *owner = arena_alloc(spare, d->output_count + 1, sizeof *owner);
 	int limbs = owner ? joined_own(owner, d, x->tree->nv, spare) : 0, can;
+	const char *what;
 
 	if (limbs > 1 && apart_has_places(x) && operations_of(x) <= SHORT_AOS)
 		limbs = own_together(owner, d);
 	if (limbs + h->count < (again_serves(x) ? 1 : 2))
 		return limbs;
+	what = limbs + h->count > 1 ? "limbs that share nothing with the others" : "the whole, where some of the motion is made again";
 	*parts = arena_alloc(a, (size_t)(limbs + h->count), sizeof **parts);
-	if (!*parts || !make_hands(*parts, h, x, spare, a) || !make_limbs(*parts, h->count, limbs, d, owner, x, spare, a))
+	if (!*parts || !make_hands(*parts, h, x, spare, a) ||
+		!apart_make_limbs(*parts, h->count, limbs, d, owner, what, x, spare, a))
 		return 0;
 	if (!find_places(&can, *parts, limbs + h->count, x, spare))
 		return 0;
@@ -239,8 +240,8 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 	return 1;
 }
 
-/* Does no part take more than half of what the whole takes, or two thirds where that spills much, or motion is made again, and
-   write all rows of the slices that it stages? */
+/* Each part takes at most half of the whole's operations, or two thirds where the whole spills much or motion is made again. It
+   writes every row that it stages, and reads what others have left before that is written over. */
 static int do_serve(const struct part *parts, int count, int is_full, const struct parts_of *x, struct arena *a)
 {
 	unsigned whole = operations_of(x), most = is_full || again_serves(x) ? whole / 3 * 2 : whole / 2;

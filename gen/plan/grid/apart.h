@@ -4,7 +4,8 @@
    stands on the ground, each joined to the ground alone. A part holds less in shared memory and in registers, is shorter, and
    nothing is made twice. Or parts of torques for hands (hands.h), which make the motion of their arms again, and for the rest. A
    part with a vjp in f64 makes some of its motion again (again.h), even where it is alone; in layout aos its outputs stand where
-   inputs stood (places.h). */
+   inputs stood (places.h). Where none of that serves, by two kernels, of which the first finds what the second reads (found.h,
+   base_first.h). */
 
 #include "plan/grid/parts.h"
 
@@ -22,5 +23,9 @@ typedef void make_stretches(struct stretches *s, const struct dag *d, int nv);
 int apart_build(struct part *p, struct share *share, int owner, int number, const char *what, const struct parts_of *x,
 	struct arena *a);
 int apart_set_rows(struct part *p, make_stretches *make, int nv, const struct parts_of *x, struct arena *a);
+
+/* Such parts of a DAG, by the owners of its outputs, from parts[first] on. Returns 0 when memory runs out. */
+int apart_make_limbs(struct part *parts, int first, int count, const struct dag *d, const int *owner, const char *what,
+	const struct parts_of *x, struct arena *spare, struct arena *a);
 
 #endif

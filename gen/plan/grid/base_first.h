@@ -7,7 +7,7 @@
 
 #include "plan/grid/parts.h"
 
-/* *count is 0 where that does not serve: another request, or one that holds little at once. Returns 0 when memory runs out. */
+/* *count is 0 where that does not serve: another request, one that holds little at once, or parts that hold nearly as much. Returns 0 when memory runs out. */
 int base_first_make(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a);
 
 /* Are these such kernels? */

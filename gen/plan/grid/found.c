@@ -25,7 +25,7 @@ struct kernel {
 	int *owner, count; /* by output: its part; parts */
 };
 
-/* In aos: is there an array of tau, whose place mu takes? All of tau, or of qd, may be given. */
+/* In aos mu takes the place of the third array, which must be tau: it is not where a scene gives all of tau, or of qd. */
 static int has_places(const struct parts_of *x)
 {
 	return x->options->layout != RNEAGEN_AOS ||
@@ -49,7 +49,7 @@ static int is_full(const struct parts_of *x, struct arena *a)
 	return plan_alive(&x->whole->plan, a) > (x->options->precision == RNEAGEN_F32 ? FULL_SINGLE : FULL_DOUBLE);
 }
 
-/* By output, the kernel that stores it: qdd comes before the rest of the vjp by q, and mu is by tau. */
+/* By output, the kernel that stores it. The first nv outputs are qdd, rows from 2 nv on are mu: both are the first kernel's. */
 static int *kernels_of(const struct dag *d, int nv, struct arena *a)
 {
 	int *kernel = arena_alloc(a, d->output_count + 1, sizeof *kernel);
@@ -120,7 +120,7 @@ static int make_kernel(struct part *parts, int first, int kernel, const struct k
 		if (!apart_build(p, &share, i, first + i, WHAT[kernel], &k->of, a) ||
 			!turns_delay_stores(&p->function.plan, spare) || !set_rows(p, kernel, &k->of, a))
 			return 0;
-		p->is_hand = kernel == FIRST;
+		p->is_before = kernel == FIRST;
 	}
 	return 1;
 }

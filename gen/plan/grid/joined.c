@@ -1,12 +1,13 @@
 /* Outputs that take an operation in common are joined, and all rows between them. */
 #include "plan/grid/joined.h"
+#include "plan/readings.h"
 
 struct finder {
 	const struct dag *d;
 	int rows;              /* of the robot; an output's are those, once or more */
-	const struct tree *t;  /* whose first so many rows join nothing */
-	int base;
-	unsigned char *varies; /* by node: it is made of what each sample has of its own, beside those rows */
+	const struct tree *t;  /* needed where base_rows is above 0 */
+	int base_rows;         /* the inputs of these first rows join nothing: each part makes again what they alone make */
+	unsigned char *varies; /* by node: it is made of what each sample has of its own, beside those inputs */
 	int *output;           /* by node: 1 + an output that takes it; 0: none does */
 	int *joined;           /* by output: another one that it is joined to, or itself */
 };
@@ -16,11 +17,6 @@ struct limb {
 	int first, last;
 	unsigned operations;
 };
-
-static int is_operation(const struct node *n)
-{
-	return n->op != OP_CONST && n->op != OP_INPUT;
-}
 
 static int row_of(const struct finder *f, size_t output)
 {
@@ -36,7 +32,7 @@ static int root_of(struct finder *f, int output)
 
 static void take(struct finder *f, uint32_t node, int output)
 {
-	if (!is_operation(&f->d->nodes[node]) || !f->varies[node])
+	if (!node_is_operation(&f->d->nodes[node]) || !f->varies[node])
 		return;
 	if (f->output[node])
 		f->joined[root_of(f, f->output[node] - 1)] = root_of(f, output);
@@ -61,23 +57,17 @@ static void take_left(struct finder *f)
 		}
 }
 
-static int is_of_base(const struct finder *f, const struct node *n)
+static int is_of_base(const struct finder *f, const struct node *input)
 {
-	int row = (int)n->arg[1].i;
+	const struct tree_joint *j = f->base_rows ? readings_joint(f->d, input, f->t) : NULL;
 
-	if (f->base && f->d->arguments[n->arg[0].i].role == ROLE_JOINT_POSITION)
-		return tree_joint_of_q(f->t, row)->iv < f->base;
-	return row < f->base;
+	return j && j->iv < f->base_rows;
 }
 
-static int find(struct finder *f, struct arena *a)
+static void find_varying(struct finder *f)
 {
 	const struct dag *d = f->d;
 
-	*f = (struct finder){.d = d, .rows = f->rows, .t = f->t, .base = f->base, .varies = arena_alloc(a, d->count, 1),
-		.output = arena_alloc(a, d->count, sizeof *f->output), .joined = arena_alloc(a, d->output_count + 1, sizeof *f->joined)};
-	if (a->failed)
-		return 0;
 	for (size_t i = 0; i < d->count; i++) {
 		const struct node *n = &d->nodes[i];
 
@@ -86,6 +76,18 @@ static int find(struct finder *f, struct arena *a)
 		for (int k = 0; k < op_arity[n->op]; k++)
 			f->varies[i] |= f->varies[n->arg[k].i];
 	}
+}
+
+static int find(struct finder *f, struct arena *a)
+{
+	const struct dag *d = f->d;
+
+	f->varies = arena_alloc(a, d->count, 1);
+	f->output = arena_alloc(a, d->count, sizeof *f->output);
+	f->joined = arena_alloc(a, d->output_count + 1, sizeof *f->joined);
+	if (a->failed)
+		return 0;
+	find_varying(f);
 	for (size_t i = 0; i < d->output_count; i++)
 		f->joined[i] = (int)i;
 	for (size_t i = 0; i < d->output_count; i++)
@@ -188,9 +190,9 @@ int joined_own(int *owner, const struct dag *d, int nv, struct arena *a)
 	return own(owner, &f, a);
 }
 
-int joined_own_beyond(int *owner, const struct dag *d, const struct tree *t, int base, struct arena *a)
+int joined_own_beyond(int *owner, const struct dag *d, const struct tree *t, int base_rows, struct arena *a)
 {
-	struct finder f = {.d = d, .rows = t->nv, .t = t, .base = base};
+	struct finder f = {.d = d, .rows = t->nv, .t = t, .base_rows = base_rows};
 
 	return own(owner, &f, a);
 }

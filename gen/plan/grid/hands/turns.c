@@ -12,7 +12,7 @@ struct turns {
 /* Which kernel it is of: the last one is that of parts that are no hands. */
 static int kernel_of(const struct part *p)
 {
-	return p->is_hand ? p->level : INT_MAX;
+	return p->is_before ? p->level : INT_MAX;
 }
 
 /* The row of it that the line reads; -1: it reads none. */
