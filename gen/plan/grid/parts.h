@@ -12,7 +12,7 @@
 struct part {
 	int first, last; /* bodies */
 	int alive;       /* values at once: plan_alive */
-	int is_before;     /* it is of a kernel before the main one */
+	int is_before;   /* it is of a kernel before the main one */
 	int level;       /* of which of these */
 	int joints;      /* motion is made again, in stretches of so many joints (again.h); 0: it is kept */
 	struct algorithm algorithm;

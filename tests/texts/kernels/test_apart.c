@@ -269,8 +269,8 @@ static void expect_text(const struct subject *s, const char *source)
 								   : "the whole, where some of the motion is made again"));
 	ck_assert_int_eq(strstr(source, " = RNEA_READ_ANEW(") != NULL, strstr(s->scene, "vjp") != NULL && s->precision == RNEAGEN_F64 &&
 		(strcmp(s->name, "atlas") || finds_first(s)));
-	ck_assert_int_eq(strstr(source, "finds qdd and the rows of the vjp by tau") != NULL, finds_first(s));
-	ck_assert_int_eq(strstr(source, "makes the base's acceleration") != NULL, finds_base(s));
+	ck_assert_int_eq(strstr(source, " * qdd stands in the rows by q until ") != NULL, finds_first(s));
+	ck_assert_int_eq(strstr(source, "_fd_kernel reads it from there and makes those ") != NULL, finds_base(s));
 	expect_launches(s, source);
 	expect_limbs(s, source);
 }
