@@ -10,7 +10,7 @@
 #include "plan/segments.h"
 #include "plan/stage.h"
 #include "plan/tiles/tiles.h"
-#include "plan/turned.h"
+#include "plan/transposed.h"
 #include "tell/dot.h"
 #include "tell/dump.h"
 #include "tell/effect.h"
@@ -31,7 +31,7 @@ struct generation {
 	struct relay *relay;
 	struct part *parts; /* of the relay's second kernel, where there is a relay */
 	int part_count;
-	int is_turned; /* plan/turned.h */
+	int is_transposed; /* plan/transposed.h */
 	char hash[SHA256_DIGEST_STRING_LENGTH];
 	struct emission emission;
 	struct info info;
@@ -113,13 +113,13 @@ static enum rneagen_code parts_choose(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
 	int has_kernels = target_type_of(a->options.target)->kernel != NULL, is_unpruned = a->adjust.prune == 0;
-	int may_turn = has_kernels && turned_may_be(&g->functions[0].dag, &a->request, &a->options);
-	const struct rneagen_options o = turned_options(&a->options, may_turn);
-	const struct parts_of x = {&g->functions[0], &a->raw, &a->tree, &a->request, &o, has_kernels, is_unpruned, 0, may_turn};
+	int may_transpose = has_kernels && transposed_may_be(&g->functions[0].dag, &a->request, &a->options);
+	const struct rneagen_options o = transposed_options(&a->options, may_transpose);
+	const struct parts_of x = {&g->functions[0], &a->raw, &a->tree, &a->request, &o, has_kernels, is_unpruned, 0, may_transpose};
 
-	if (!relay_or_parts(&g->relay, &g->parts, &g->part_count, &x, a->arena, a->error) && !g->relay && !may_turn)
+	if (!relay_or_parts(&g->relay, &g->parts, &g->part_count, &x, a->arena, a->error) && !g->relay && !may_transpose)
 		tiles_choose(&g->functions[0], g->parts, g->part_count, &x, a->arena, a->error);
-	g->is_turned = may_turn && (g->relay || g->part_count);
+	g->is_transposed = may_transpose && (g->relay || g->part_count);
 	analysis_free_raw(a);
 	return a->error->code;
 }
@@ -154,7 +154,7 @@ static enum rneagen_code choose_for_kernel(struct generation *g,
 {
 	struct analysis *a = &g->analysis;
 	int in_parts = g->part_count && !parts_are_apart(g->parts, g->part_count), count = in_parts ? g->part_count : 1;
-	const struct rneagen_options o = turned_options(&a->options, g->is_turned);
+	const struct rneagen_options o = transposed_options(&a->options, g->is_transposed);
 	struct function **functions = arena_alloc(a->arena, (size_t)count, sizeof *functions);
 
 	if (!target_type_of(a->options.target)->kernel)
@@ -167,10 +167,10 @@ static enum rneagen_code choose_for_kernel(struct generation *g,
 static enum rneagen_code limbs_make_all(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
-	const struct rneagen_options o = turned_options(&a->options, g->is_turned);
+	const struct rneagen_options o = transposed_options(&a->options, g->is_transposed);
 	int are_apart = parts_are_apart(g->parts, g->part_count); /* without windows, and so is the whole, for small batches */
 
-	if ((!are_apart && !g->is_turned && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
+	if ((!are_apart && !g->is_transposed && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
 		return a->error->code;
 	if (base_first_is(g->parts, g->part_count, &a->request))
 		limbs_beside_base(&g->functions[0].limbs);
@@ -206,7 +206,7 @@ static struct emission new_emission(struct generation *g, const char *told)
 
 	return (struct emission){.tree = &a->tree, .request = &a->request, .scene = &a->scene, .adjust = &a->adjust,
 		.options = &a->options, .functions = g->functions, .function_count = function_count(g),
-		.parts = g->parts, .part_count = g->part_count, .relay = g->relay, .is_turned = g->is_turned,
+		.parts = g->parts, .part_count = g->part_count, .relay = g->relay, .is_transposed = g->is_transposed,
 		.warnings = g->result->warnings, .warning_count = g->result->warning_count,
 		.told = told, .hash = g->hash,
 		.written = arena_alloc(a->arena, EMIT_WRITTEN, sizeof(struct written_number)),

@@ -227,11 +227,12 @@ struct rnea_function {
 	size_t relay_bytes;
 	unsigned start_parts; /* blocks of the first along y: a grid without as many stops with an error (a trap); else 1 */
 	struct rnea_limbs start_limbs; /* of the kernel NAME_FUNCTION_start_limbs, which takes the place of the first */
-	/* In layout aos: the kernels write the outputs of turned_samples samples at a time as [row][sample], and after all of them
-	   rnea_launch and rnea_run launch NAME_FUNCTION_turn_kernel, which puts each in its place: a block for turned_samples samples,
-	   with turned_threads threads, and turned_bytes of shared memory given; one block along y for each output. 0: there is none */
-	unsigned turned_samples, turned_threads;
-	size_t turned_bytes;
+	/* In layout aos: the kernels write the outputs of transposed_samples samples at a time as [row][sample], and after all
+	   of them rnea_launch and rnea_run launch NAME_FUNCTION_transpose_kernel, which puts each in its place: a block for
+	   transposed_samples samples, with transposed_threads threads, and transposed_bytes of shared memory given; one block
+	   along y for each output. 0: there is none */
+	unsigned transposed_samples, transposed_threads;
+	size_t transposed_bytes;
 	/* Several kernels with the same parameters, one after the other, where the batch is larger than limbs.most: before the
 	   function's own rnea_launch and rnea_run launch NAME_FUNCTION_hands_kernel, then NAME_FUNCTION_hands1_kernel and so on,
 	   in the same blocks with the same shared memory, and so many along y of each, unless part kernels run, the first of

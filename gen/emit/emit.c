@@ -8,10 +8,10 @@
 #include "emit/kernels/emit_parts.h"
 #include "emit/kernels/emit_relay.h"
 #include "emit/kernels/emit_tiles.h"
-#include "emit/kernels/emit_turn.h"
+#include "emit/kernels/emit_transpose.h"
 #include "emit/unparse.h"
 #include "plan/grid/parts.h"
-#include "plan/turned.h"
+#include "plan/transposed.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -326,7 +326,7 @@ static void kernel_slots(const struct emission *e, const char *kernels, struct s
 		{"EACH", p->segments.count ? template_launch_segments_in : ""}, {"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"},
 		{"MIN_BLOCKS", emit_min_blocks(e)}, {"STAGE", emit_unless_limbs(e, emit_stage(e))}, {"SINES_BYTES", emit_sines_bytes(e)},
 		{"STORE", emit_store(e)}, {"KERNELS", kernels}, {"LAUNCH_HEAD", emit_launch_head(e)}, {"LAUNCH_HANDS", emit_launch_hands(e)},
-		{"LAUNCH_RELAY", emit_launch_relay(e)}, {"LAUNCH_TURN", emit_launch_turn(e)},
+		{"LAUNCH_RELAY", emit_launch_relay(e)}, {"LAUNCH_TRANSPOSE", emit_launch_transpose(e)},
 		{"LAUNCH_ALONE", emit_launch_alone(e)}, {"TILES_LAUNCH", emit_tiles_launch(e)},
 		{"STAGE_LAUNCH", emit_stage_launch(e)}, {"GIVEN", emit_given(e, "kernel")}, {"LAUNCH_LIMBS", emit_launch_limbs(e)}};
 
@@ -350,7 +350,7 @@ static void header_slots(const struct emission *e, struct slots *s)
 void emit_source(const struct emission *e, struct text *out)
 {
 	struct slots s = {.count = 0};
-	const struct rneagen_options options = turned_options(e->options, e->is_turned);
+	const struct rneagen_options options = transposed_options(e->options, e->is_transposed);
 	struct emission k = *e;
 	struct text kernels;
 	const char *rest;

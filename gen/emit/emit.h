@@ -21,7 +21,7 @@ struct emission {
 	const struct part *parts;              /* what the first function does, as parts of the grid; part_count 0: it is whole */
 	int part_count;
 	const struct relay *relay;             /* whose second kernel has these parts; NULL: there is one kernel */
-	int is_turned;                         /* kernels write as in soa, and turn it (plan/turned.h); their options say soa */
+	int is_transposed;                         /* kernels write as in soa (plan/transposed.h); their options say soa */
 	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
 	const char *const *warnings;
 	size_t warning_count;
@@ -64,7 +64,7 @@ static inline int emit_is_apart(const struct emission *e)
 /* Is the main function in parts for matrices, which write as in soa? In aos without that outputs leave through windows. */
 static inline int emit_has_columns(const struct emission *e)
 {
-	return e->part_count && !emit_is_apart(e) && (e->options->layout == RNEAGEN_SOA || e->is_turned);
+	return e->part_count && !emit_is_apart(e) && (e->options->layout == RNEAGEN_SOA || e->is_transposed);
 }
 
 /* Which of these parts a function is; -1: none. */
@@ -333,7 +333,7 @@ int emit_is_zero_store(const struct plan *p, const struct line *l);
 const char *emit_zeros_unless(const struct emission *e, const struct function *p, int is_beside);
 void emit_zeros(const struct emission *e, struct text *out);
 const char *emit_zero_loops(const struct emission *e, const char *first, const char *step);
-/* Of an array, which rows are zeros that the kernel writes which turns outputs, 1 each; NULL: others have written all. */
+/* Of an array, which rows are zeros that the kernel writes which transposes outputs, 1 each; NULL: others have written all. */
 const unsigned char *emit_late_zeros(const struct emission *e, int argument);
 
 /* Where the run ends of elements that are as the first one is. */

@@ -262,7 +262,7 @@ static const char *each_text(const struct emission *e, const struct function *p)
 	put_each(e, p, e->numbers, "", &t);
 	if (e->wide)
 		put_each(e, p, e->wide, "_wide", &t);
-	if (e->is_turned || (!any_has_stride(emit_angles(e, p, 0)) && !(e->wide && any_has_stride(emit_angles(e, p, 1)))))
+	if (e->is_transposed || (!any_has_stride(emit_angles(e, p, 0)) && !(e->wide && any_has_stride(emit_angles(e, p, 1)))))
 		text_put(&t, "\t(void)stride;\n");
 	if (!emit_angles(e, p, 0).count)
 		text_put(&t, "\t(void)sines;\n");
@@ -322,7 +322,7 @@ static const char *call_expanded(const struct emission *e, const struct function
 	const struct call *c)
 {
 	int is_in_array = c->part || c->is_tiled;
-	const char *stride = e->is_turned && c->q_stride ? c->q_stride : c->stride;
+	const char *stride = e->is_transposed && c->q_stride ? c->q_stride : c->stride;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name}, {"INDENT", c->indent},
 		{"Q", is_in_array ? emit_q_at_sample(e) : c->q}, {"Q_STRIDE", is_in_array ? emit_q_stride(e) : stride},
 		{"TABLE", table_of(e, p)->algorithm->name},

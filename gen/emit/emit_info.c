@@ -7,7 +7,7 @@
 #include "emit/kernels/emit_relay.h"
 #include "emit/kernels/emit_segments_kernel.h"
 #include "emit/kernels/emit_tiles.h"
-#include "emit/kernels/emit_turn.h"
+#include "emit/kernels/emit_transpose.h"
 #include "plan/stage.h"
 #include "plan/tiles/tiles.h"
 #include <string.h>
@@ -57,7 +57,7 @@ static void put_relay(const struct emission *e, struct text *out)
 	const struct relay *r = e->relay;
 
 	text_printf(out, "relay %d %d %d", emit_relay_bytes(e), r->threads, r->room);
-	if (r->samples > WARP_THREADS || e->is_turned) /* from version 9 on it stands */
+	if (r->samples > WARP_THREADS || e->is_transposed) /* from version 9 on it stands */
 		text_printf(out, " %d", r->samples);
 	text_putc(out, '\n');
 	if (r->start_count)
@@ -86,7 +86,7 @@ static void put_kernels(const struct emission *e, struct text *out)
 	}
 	if (e->relay)
 		put_relay(e, out);
-	emit_info_turn(e, out);
+	emit_info_transpose(e, out);
 	if (emit_has_limbs(e))
 		put_limbs(e, emit_is_apart(e) ? "whole_limbs" : "limbs", emit_limbs_of(e), out);
 	if (emit_start_limbs(e))
@@ -122,12 +122,12 @@ static void put_function(const struct emission *e, const struct function *p, str
    sample, or no relay with blocks of more samples than a warp's, is not to launch some of the kernels alone, a part, half of the
    threads, or other blocks. */
 enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS, VERSION_STARTS, VERSION_LEVELS, VERSION_THREADS, VERSION_WIDE,
-	VERSION_TURNED };
+	VERSION_TRANSPOSED };
 
 static int version_of(const struct emission *e)
 {
-	if (e->is_turned)
-		return VERSION_TURNED;
+	if (e->is_transposed)
+		return VERSION_TRANSPOSED;
 	if (emit_each_block(e))
 		return VERSION_THREADS;
 	if (e->relay && e->relay->samples > WARP_THREADS)

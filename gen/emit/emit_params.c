@@ -74,14 +74,14 @@ const char *emit_stride(const struct emission *e)
 
 const char *emit_q_stride(const struct emission *e)
 {
-	return e->is_turned ? "1" : emit_stride(e);
+	return e->is_transposed ? "1" : emit_stride(e);
 }
 
 static void put_at_sample(const struct emission *e, const struct argument *a, enum rneagen_layout layout, struct text *out)
 {
 	if (a->per_batch)
 		text_put(out, a->name);
-	else if (layout == RNEAGEN_SOA && !(e->is_turned && !a->is_output))
+	else if (layout == RNEAGEN_SOA && !(e->is_transposed && !a->is_output))
 		text_printf(out, "%s + k", a->name);
 	else
 		text_printf(out, "%s + k*%d", a->name, a->rows);
@@ -161,8 +161,9 @@ const char *emit_at_sample(const struct emission *e, const struct function *p, e
 
 /* ---- parameters that statements do not read ---- */
 
-/* Is a row of a batch read or written with the stride: one that is not the first? Beside outputs that are turned no input is. */
-static int has_stride(const struct plan *p, const struct line *l, int is_turned)
+/* Is a row of a batch read or written with the stride: one that is not the first? Beside outputs that are transposed no input
+   is. */
+static int has_stride(const struct plan *p, const struct line *l, int is_transposed)
 {
 	const struct node *n = &p->dag->nodes[l->value.i];
 
@@ -170,7 +171,7 @@ static int has_stride(const struct plan *p, const struct line *l, int is_turned)
 		return p->dag->outputs[l->index].row > 0 && !p->dag->arguments[p->dag->outputs[l->index].argument].per_batch;
 	if (l->kind != LINE_INPUT || n->arg[1].i == 0 || p->dag->arguments[n->arg[0].i].per_batch)
 		return 0;
-	return !is_turned || p->dag->arguments[n->arg[0].i].is_output;
+	return !is_transposed || p->dag->arguments[n->arg[0].i].is_output;
 }
 
 int emit_mark_arguments(const struct emission *e, const struct plan *p, unsigned char *used)
@@ -183,7 +184,7 @@ int emit_mark_arguments(const struct emission *e, const struct plan *p, unsigned
 			used[d->outputs[l->index].argument] = 1;
 		else if (l->kind == LINE_INPUT)
 			used[d->nodes[l->value.i].arg[0].i] = 1;
-		stride |= has_stride(p, l, e->is_turned);
+		stride |= has_stride(p, l, e->is_transposed);
 	}
 	return stride;
 }

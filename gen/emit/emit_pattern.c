@@ -4,7 +4,7 @@
 #include "emit/emit.h"
 #include "emit/kernels/emit_kernel.h"
 #include "plan/stage.h"
-#include "plan/turned.h"
+#include "plan/transposed.h"
 #include "tree/lumps.h"
 #include "tree/pattern.h"
 
@@ -286,7 +286,8 @@ static int put_runs(const unsigned char *zero, int rows, struct text *out)
 	return runs;
 }
 
-static unsigned char *zero_rows(const struct emission *e, const struct dag *d, const struct output *outputs, size_t count, int argument)
+static unsigned char *zero_rows(const struct emission *e, const struct dag *d, const struct output *outputs, size_t count,
+	int argument)
 {
 	unsigned char *zero = arena_alloc(e->arena, (size_t)d->arguments[argument].rows + 1, 1);
 
@@ -325,14 +326,14 @@ static int *kept_rows(const struct emission *e)
 	return kept;
 }
 
-/* Does the kernel that turns outputs write the zeros? Not a relay's, whose third kernel reads them, nor where the tables for that
-   take more room than the zeros. */
+/* Does the kernel that transposes outputs write the zeros? Not a relay's, whose third kernel reads them, nor where the tables
+   for that take more room than the zeros. */
 static int has_late_zeros(const struct emission *e)
 {
 	const struct dag *d = stored_by(e);
 
-	return e->is_turned && !e->relay && emit_has_zeros(e, emit_main(e)) &&
-		turned_of(d, kept_rows(e), e->options).samples >= turned_of(d, NULL, e->options).samples;
+	return e->is_transposed && !e->relay && emit_has_zeros(e, emit_main(e)) &&
+		transposed_of(d, kept_rows(e), e->options).samples >= transposed_of(d, NULL, e->options).samples;
 }
 
 /* Or do loops of the other kernels? */

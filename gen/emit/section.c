@@ -148,7 +148,8 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
 
 /* Of others, what is before the name of a joint, or before the number and the name of a link. */
-static const char *const ABOUT[SECTION_COUNT] = {[SECTION_BY] = "derivatives by", [SECTION_ROWS] = "rows of", [SECTION_INPUTS] = "with the inputs up to",
+static const char *const ABOUT[SECTION_COUNT] = {[SECTION_BY] = "derivatives by", [SECTION_ROWS] = "rows of",
+	[SECTION_INPUTS] = "with the inputs up to",
 	[SECTION_REGRESSOR] = "torques by the inertial parameters of link"};
 static const char *const ABOUT_LINKS[SECTION_COUNT] = {[SECTION_OUT] = "out to", [SECTION_BACK] = "back from",
 	[SECTION_PLACE] = "place of", [SECTION_WAY] = "coordinates go back from",

@@ -339,7 +339,7 @@ static void put_line(struct unparser *u, const struct line *l, struct text *out)
 struct unparser unparse_new(const struct emission *e, const struct function *function, const struct number_type *numbers)
 {
 	return (struct unparser){.emission = e, .function = function, .plan = &function->plan, .numbers = numbers,
-		.has_samples = e->is_turned,
+		.has_samples = e->is_transposed,
 		.calls = e->options->strict ? numbers->strict_calls : numbers->calls};
 }
 

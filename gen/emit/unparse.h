@@ -29,7 +29,7 @@ struct unparser {
 	/* of constants, in the order in which they are met (kernels/emit_numbers.c); NULL: they stand in the code */
 	struct numbers *table;
 	struct angles sines; /* where the table of known ones has them */
-	int has_samples; /* inputs are those of one sample, row after row, whatever the stride (plan/turned.h) */
+	int has_samples; /* inputs are those of one sample, row after row, whatever the stride (plan/transposed.h) */
 	int has_inner; /* rows of inputs have a stride of their own, `inner` (plan/tiles/tiles.h) */
 	size_t sections; /* so many of the plan's DAG are behind */
 	unsigned char written[SECTION_COUNT][SECTION_JOINT_KINDS]; /* whose formula stands there already: section.c */

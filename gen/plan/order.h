@@ -7,8 +7,8 @@
 /* Inputs that tell the bias from the rest of forward dynamics. */
 enum { TAKES_VELOCITIES = 1, TAKES_TORQUES = 2 };
 
-/* The rows of the last joints first, or before each of them the bias that it takes. Or joint after joint, what the inputs up to its
-   own are enough for: little but what the trunk needs is left of a limb when the next one begins. */
+/* The rows of the last joints first, or before each of them the bias that it takes. Or joint after joint, what the inputs up to
+   its own are enough for: little but what the trunk needs is left of a limb when the next one begins. */
 enum order_way { ORDER_ROWS, ORDER_BIAS, ORDER_INPUTS, ORDER_WAYS };
 
 struct orderer {
@@ -26,7 +26,7 @@ struct orderer {
 	uint32_t end;              /* lines from here on stay where they are */
 	uint32_t *order, count;    /* lines */
 	enum order_way way;
-	int *row_at;               /* by place in that order: the row of qd for which the line was written, or whose inputs it waited for */
+	int *row_at;               /* by place in that order: the row of qd for which a line was written, or for whose inputs */
 	uint32_t *stack, *ready;
 	int row;
 };

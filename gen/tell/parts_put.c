@@ -1,5 +1,5 @@
 #include "tell/parts_put.h"
-#include "emit/kernels/emit_turn.h"
+#include "emit/kernels/emit_transpose.h"
 
 void parts_put_table(const struct emission *e, struct text *out)
 {
@@ -21,11 +21,11 @@ void parts_put_table(const struct emission *e, struct text *out)
 			text_printf(out, "  alike limbs in %d loops", p->function.each->loops->count);
 		text_putc(out, '\n');
 	}
-	if (e->is_turned) {
-		const struct turned t = emit_turned(e);
+	if (e->is_transposed) {
+		const struct transposed t = emit_transposed(e);
 
-		text_printf(out, "\nturned: a last kernel puts the outputs of %d samples at a time into their places, by %d threads with %d bytes\n",
-			t.samples, t.threads, t.bytes);
+		text_printf(out, "\ntransposed: a last kernel puts the outputs of %d samples at a time into their places, by %d threads with "
+			"%d bytes\n", t.samples, t.threads, t.bytes);
 	}
 }
 
@@ -47,9 +47,9 @@ void parts_put_json(const struct emission *e, struct text *out)
 			p->function.each ? p->function.each->loops->count : 0);
 	}
 	text_put(out, e->part_count ? "\n  ],\n" : "");
-	if (e->is_turned) {
-		const struct turned t = emit_turned(e);
+	if (e->is_transposed) {
+		const struct transposed t = emit_transposed(e);
 
-		text_printf(out, "  \"turned\": {\"samples\": %d, \"threads\": %d, \"bytes\": %d},\n", t.samples, t.threads, t.bytes);
+		text_printf(out, "  \"transposed\": {\"samples\": %d, \"threads\": %d, \"bytes\": %d},\n", t.samples, t.threads, t.bytes);
 	}
 }

@@ -50,11 +50,11 @@ enum rnea_code info_threads(struct parser *p)
 	return info_count(p, &p->f->most_block, 1, BLOCK_LIMIT / p->f->sample_threads);
 }
 
-enum rnea_code info_turn(struct parser *p)
+enum rnea_code info_transpose(struct parser *p)
 {
 	struct rnea_function *f = p->f;
 
-	if (info_count(p, &f->turned_samples, 1, BLOCK_LIMIT) || info_count(p, &f->turned_threads, 1, BLOCK_LIMIT))
+	if (info_count(p, &f->transposed_samples, 1, BLOCK_LIMIT) || info_count(p, &f->transposed_threads, 1, BLOCK_LIMIT))
 		return p->w.error->code;
-	return words_number(&p->w, &f->turned_bytes, 1, GIVEN_LIMIT);
+	return words_number(&p->w, &f->transposed_bytes, 1, GIVEN_LIMIT);
 }

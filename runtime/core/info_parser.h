@@ -7,7 +7,7 @@
 #include "core/words.h"
 
 /* Who knows nothing of parts, of functions, of relays, of hands, of threads of a sample, of a relay's wide blocks, or of outputs
-   that are turned must not launch a text that has them: each was a version more. */
+   that are transposed must not launch a text that has them: each was a version more. */
 enum {
 	VERSION = 1,
 	VERSION_PARTS = 2,
@@ -18,8 +18,8 @@ enum {
 	VERSION_LEVELS = 7,
 	VERSION_THREADS = 8,
 	VERSION_WIDE = 9,
-	VERSION_TURNED = 10,
-	VERSION_LAST = VERSION_TURNED,
+	VERSION_TRANSPOSED = 10,
+	VERSION_LAST = VERSION_TRANSPOSED,
 	BLOCK_LIMIT = 1024,
 	PARTS_LIMIT = 65535,
 	STAGE_LIMIT = 48 << 10,
@@ -61,7 +61,7 @@ enum key {
 	KEY_PART_KERNELS,
 	KEY_TILES,
 	KEY_THREADS,
-	KEY_TURN,
+	KEY_TRANSPOSE,
 	KEY_COUNT
 };
 
@@ -101,7 +101,7 @@ enum rnea_code info_hands(struct parser *p);
 enum rnea_code info_part_kernels(struct parser *p);
 enum rnea_code info_relay(struct parser *p);
 enum rnea_code info_threads(struct parser *p);
-enum rnea_code info_turn(struct parser *p);
+enum rnea_code info_transpose(struct parser *p);
 
 /* How many elements of the matrix have been read. */
 size_t info_stored(const struct parser *p, const struct rnea_matrix *m);

@@ -6,7 +6,7 @@
 
 static const char *const keys[KEY_COUNT] = {"name", "precision", "arithmetic", "layout", "trig", "base", "nq", "nv",
 	"nb", "block", "kernels", "operations", "parts", "stage", "segments", "limbs", "relay", "start_limbs", "start_parts",
-	"whole_limbs", "hands", "part_kernels", "tiles", "threads", "turn"};
+	"whole_limbs", "hands", "part_kernels", "tiles", "threads", "transpose"};
 
 static enum rnea_code read_joint(struct parser *p)
 {
@@ -104,8 +104,8 @@ static enum rnea_code read_value(struct parser *p, enum key key)
 		return info_threads(p);
 	case KEY_RELAY:
 		return info_relay(p);
-	case KEY_TURN:
-		return info_turn(p);
+	case KEY_TRANSPOSE:
+		return info_transpose(p);
 	case KEY_COUNT:
 		break;
 	}
@@ -117,7 +117,7 @@ static int is_optional(const struct parser *p, enum key key)
 {
 	return key == KEY_ARITHMETIC || key == KEY_STAGE || key == KEY_SEGMENTS || key == KEY_LIMBS || key == KEY_RELAY ||
 	       key == KEY_START_LIMBS || key == KEY_START_PARTS || key == KEY_WHOLE_LIMBS || key == KEY_HANDS || key == KEY_KERNELS ||
-	       key == KEY_PART_KERNELS || key == KEY_TILES || key == KEY_THREADS || key == KEY_TURN ||
+	       key == KEY_PART_KERNELS || key == KEY_TILES || key == KEY_THREADS || key == KEY_TRANSPOSE ||
 	       (key == KEY_PARTS && p->version != VERSION_PARTS);
 }
 

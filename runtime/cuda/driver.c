@@ -277,7 +277,7 @@ static enum rnea_code warm(const struct driver *c, struct rnea_error *e)
 	for (unsigned i = 0; i < c->relay.hand_kernels && !e->code; i++)
 		device_launch(&c->device, &c->relay.hands[i], 1, 1, c->block, parameters, stream, e);
 	if (!e->code)
-		relay_turn(&c->relay, &c->device, parameters, 0, stream, e);
+		relay_transpose(&c->relay, &c->device, parameters, 0, stream, e);
 	parameters[c->info->functions->input_count + c->info->functions->output_count + 1] = maps;
 	if (c->alone.function && !e->code)
 		alone_launch(&c->alone, &c->device, parameters, 0, stream, e);

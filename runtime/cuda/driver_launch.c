@@ -60,7 +60,7 @@ enum rnea_code driver_launch(const struct driver *c, size_t function, void *cons
 	if (has_relay && !e->code)
 		relay_solve(&c->relay, &c->device, parameters, count, stream, e);
 	if (function == 0 && !e->code)
-		relay_turn(&c->relay, &c->device, parameters, count, stream, e);
+		relay_transpose(&c->relay, &c->device, parameters, count, stream, e);
 	device_leave(&c->device, pushed);
 	return e->code;
 }

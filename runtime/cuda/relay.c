@@ -50,19 +50,19 @@ static enum rnea_code refuse_shared(const struct device *d, const struct rnea_fu
 		bytes, d->most_shared);
 }
 
-static enum rnea_code find_turn(struct relay *r, const struct device *d, void *module, const struct source *s,
+static enum rnea_code find_transpose(struct relay *r, const struct device *d, void *module, const struct source *s,
 	const struct rnea_function *f, struct rnea_error *e)
 {
-	r->turned_samples = 0;
-	if (!f->turned_samples)
+	r->transposed_samples = 0;
+	if (!f->transposed_samples)
 		return RNEA_OK;
-	if (f->turned_bytes > d->most_shared)
-		return refuse_shared(d, f, f->turned_bytes, e);
-	if (relay_kernel(d, module, s, f, "turn", f->turned_bytes, &r->turn, e))
+	if (f->transposed_bytes > d->most_shared)
+		return refuse_shared(d, f, f->transposed_bytes, e);
+	if (relay_kernel(d, module, s, f, "transpose", f->transposed_bytes, &r->transpose, e))
 		return e->code;
-	r->turn.given_bytes = f->turned_bytes;
-	r->turned_samples = f->turned_samples;
-	r->turned_threads = f->turned_threads;
+	r->transpose.given_bytes = f->transposed_bytes;
+	r->transposed_samples = f->transposed_samples;
+	r->transposed_threads = f->transposed_threads;
 	r->outputs = (unsigned)f->output_count;
 	return RNEA_OK;
 }
@@ -71,7 +71,7 @@ enum rnea_code relay_find(struct relay *r, const struct device *d, void *module,
 	const struct rnea_function *f, unsigned block, struct rnea_error *e)
 {
 	r->threads = 0;
-	if (find_turn(r, d, module, s, f, e))
+	if (find_transpose(r, d, module, s, f, e))
 		return e->code;
 	if (find_hands(r, d, module, s, f, block, e) || r->hand_kernels)
 		return e->code;
@@ -99,10 +99,11 @@ enum rnea_code relay_solve(const struct relay *r, const struct device *d, void *
 	return device_launch(d, &r->solve, groups, along, r->threads * r->samples, parameters, stream, e);
 }
 
-enum rnea_code relay_turn(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,
+enum rnea_code relay_transpose(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,
 	struct rnea_error *e)
 {
-	if (!r->turned_samples)
+	if (!r->transposed_samples)
 		return RNEA_OK;
-	return device_launch(d, &r->turn, device_blocks(count, r->turned_samples), r->outputs, r->turned_threads, parameters, stream, e);
+	return device_launch(d, &r->transpose, device_blocks(count, r->transposed_samples), r->outputs, r->transposed_threads,
+		parameters, stream, e);
 }

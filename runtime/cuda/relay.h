@@ -1,8 +1,8 @@
 #ifndef RNEA_RELAY_H
 #define RNEA_RELAY_H
 /* A relay: a launch of the first function runs three kernels, one after the other, and its own is the second of them; or two, a
-   kernel for hands and its own; of robots with long arms more kernels for hands. After any of these one that turns outputs may
-   run. */
+   kernel for hands and its own; of robots with long arms more kernels for hands. After any of these one that transposes outputs
+   may run. */
 
 #include "cuda/device.h"
 #include "rnea.h"
@@ -14,8 +14,8 @@ struct relay {
 	unsigned room;    /* blocks of the third beyond which more along y gain nothing */
 	struct device_kernel hands[RNEA_HANDS_LIMIT];
 	unsigned hand_kernels; /* so many are there */
-	struct device_kernel turn;
-	unsigned turned_samples, turned_threads, outputs; /* of the kernel that turns outputs; no samples: there is none */
+	struct device_kernel transpose;
+	unsigned transposed_samples, transposed_threads, outputs; /* of the kernel that transposes outputs; no samples: there is none */
 };
 
 /* Find NAME_FUNCTION_which_kernel, which stages in `bytes` a block. Errors: TEXT where it is not there, DRIVER. */
@@ -31,8 +31,8 @@ enum rnea_code relay_find(struct relay *r, const struct device *d, void *module,
 enum rnea_code relay_hands(const struct relay *r, const struct device *d, const struct rnea_function *f, unsigned blocks,
 	unsigned block, void **parameters, void *stream, struct rnea_error *e);
 
-/* Launch the kernel that turns outputs, where there is one. Without samples it does nothing. */
-enum rnea_code relay_turn(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,
+/* Launch the kernel that transposes outputs, where there is one. Without samples it does nothing. */
+enum rnea_code relay_transpose(const struct relay *r, const struct device *d, void **parameters, size_t count, void *stream,
 	struct rnea_error *e);
 
 /* Launch the third. Without samples it does nothing. */

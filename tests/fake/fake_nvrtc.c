@@ -157,8 +157,8 @@ static void write_given(FILE *f, const struct program *p)
 	static const char mark[] = "_across[];";
 	const char *end = strstr(limbs_of(p->source), mark), *name = end;
 
-	fputs(end ? "#if RNEA_GIVEN_BYTES || defined RNEA_LIMBS || defined RNEA_SOLVE || defined RNEA_TURN\n"
-		  : "#if RNEA_GIVEN_BYTES || defined RNEA_SOLVE || defined RNEA_TURN\n",
+	fputs(end ? "#if RNEA_GIVEN_BYTES || defined RNEA_LIMBS || defined RNEA_SOLVE || defined RNEA_TRANSPOSED\n"
+		  : "#if RNEA_GIVEN_BYTES || defined RNEA_SOLVE || defined RNEA_TRANSPOSED\n",
 		f);
 	fputs("alignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];\n#endif\n", f);
 	while (name && name[-1] != ' ')

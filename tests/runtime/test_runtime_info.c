@@ -107,7 +107,7 @@ END_TEST
 #define SECOND                                                                                                         \
 	"function fd\ninput tau 7 f64 sample joint_torque\noutput x 2 f64 sample of_a_later_version\nstage 72\nparts " \
 	"2\nlimbs 4 2 1408 4096\nrelay 49664 3 264\nstart_limbs 8 1 520 32\nstart_parts 2\nhands 3\n"                               \
-	"part_kernels 16896 5 64 90\ntiles 0 7 1 2\nthreads 2 96\nturn 16 256 512\n"                                                           \
+	"part_kernels 16896 5 64 90\ntiles 0 7 1 2\nthreads 2 96\ntranspose 16 256 512\n"                              \
 	"operations 1 2 3 4 5 6\n"
 
 /* Since version 7 each kernel of hands has a number. */
@@ -152,7 +152,8 @@ START_TEST(reads_functions)
 	ck_assert(f[1].part_count == 5 && f[1].part_block == 64 && f[1].part_arch == 90 && f[0].tile_count == 0 && f[1].tile_count == 2);
 	ck_assert(f[1].tiles[0].argument == 0 && f[1].tiles[0].rows == 7 && f[1].tiles[1].argument == 1 && f[1].tiles[1].rows == 2);
 	ck_assert(f[0].sample_threads == 1 && f[0].most_block == 0 && f[1].sample_threads == 2 && f[1].most_block == 96);
-	ck_assert(f[0].turned_samples == 0 && f[1].turned_samples == 16 && f[1].turned_threads == 256 && f[1].turned_bytes == 512);
+	ck_assert(f[0].transposed_samples == 0 && f[1].transposed_samples == 16 && f[1].transposed_threads == 256 &&
+		f[1].transposed_bytes == 512);
 	ck_assert(f[1].stage_bytes == 72 && f[1].parts == 2 && f[1].operations.sincos == 6 && f[1].matrix_count == 0);
 	rnea_info_free(&i);
 }

@@ -383,7 +383,7 @@ START_TEST(relay)
 	ck_assert(!!strstr(t.text.source, "reduced[") == !strcmp(x->name, "g1_29dof"));
 	ck_assert_msg((x->starts > 1) == !!strstr(t.text.source, "\"start_parts 2\\n\""), "%s: parts of the first kernel", x->name);
 	check_slices(t.text.source, x->starts > 1 && x->precision == RNEAGEN_F64 && !x->is_aos);
-	ck_assert(!!strstr(t.text.source, "\"turn 16 ") == x->is_aos);
+	ck_assert(!!strstr(t.text.source, "\"transpose 16 ") == x->is_aos);
 	/* without limbs it is the same but where the batch is small: in the short form of hyq in f64 and of atlas in f32 */
 	if (exhaustive() ? _i < RELAYED_COUNT - LONG_COUNT : _i == 1 || _i == 4)
 		run_on(&m, &o, &t, RNEA_BACKEND_CUDA, SEED);

@@ -46,7 +46,7 @@ int emit_start_words(const struct emission *e)
 {
 	int words = e->relay ? words_of(e, e->relay->starts, e->relay->start_count) : 0;
 
-	return words && !e->is_turned && stage_has_room(words, e->options) ? words : 0;
+	return words && !e->is_transposed && stage_has_room(words, e->options) ? words : 0;
 }
 
 int emit_slice_bytes(const struct emission *e)

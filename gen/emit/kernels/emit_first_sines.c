@@ -70,7 +70,7 @@ const char *emit_table_param(const struct emission *e, const struct function *p)
 
 const char *emit_table_arguments(const struct emission *e)
 {
-	int rows = e->options->layout == RNEAGEN_SOA && !e->is_turned ? 1 : emit_main(e)->dag.arguments[0].rows;
+	int rows = e->options->layout == RNEAGEN_SOA && !e->is_transposed ? 1 : emit_main(e)->dag.arguments[0].rows;
 	struct text t;
 
 	text_init(&t, e->arena);

@@ -10,7 +10,7 @@
 #include "emit/kernels/emit_segments_kernel.h"
 #include "emit/kernels/slices/emit_slices.h"
 #include "emit/kernels/emit_tiles.h"
-#include "emit/kernels/emit_turn.h"
+#include "emit/kernels/emit_transpose.h"
 #include "plan/stage.h"
 
 /* What is written where an input stood. */
@@ -135,7 +135,7 @@ static void put_work(const struct emission *e, const struct work *w, struct text
 	const struct slot slots[] = {
 		{"HEAD", head_text(e, w)}, {"NAME", e->options->name}, {"FUNCTION", w->function->algorithm->name}, {"T", e->memory->type},
 		{"SPILL", emit_spill(e)}, {"ZEROS", zeros_text(e, w->function)},
-		{"CALL", kernel_call(e, w, &s)}, {"TURN", emit_turn_begin(e)}, {"PREFETCH", prefetch_text(e, w->function)},
+		{"CALL", kernel_call(e, w, &s)}, {"TRANSPOSE", emit_transpose_begin(e)}, {"PREFETCH", prefetch_text(e, w->function)},
 		{"DECLARATION", w->part ? "" : emit_slices_declaration(e, emit_stage_words(e))},
 		{"SLICES", s.slices}, {"POINTERS", s.pointers}, {"MOVE_IN", s.move_in}, {"MOVE_OUT", s.move_out}, {"JOIN", s.join},
 		{"IN_PLACE", in_place_text(e, w->part)}, {"BLOCK", has_threads ? "RNEA_BLOCK" : "blockDim.x"},
@@ -261,7 +261,7 @@ static void put_function_of(const struct emission *e, const struct function *p, 
 
 void emit_kernels(const struct emission *e, struct text *out)
 {
-	emit_turn_samples(e, out);
+	emit_transpose_samples(e, out);
 	emit_zeros(e, out);
 	text_put(out, emit_has_limbs(e) ? EMIT_UNLESS_LIMBS : "");
 	emit_parts_small(e, 0, out);
@@ -280,7 +280,7 @@ void emit_kernels(const struct emission *e, struct text *out)
 			emit_windowed(e, &e->functions[i], out);
 		else
 			put_function_of(e, &e->functions[i], out);
-	emit_turn(e, out);
+	emit_transpose(e, out);
 	text_put(out, emit_alone_least(e) ? "#endif\n" : "");
 	if (emit_has_limbs(e))
 		emit_limbs(e, out);
@@ -295,7 +295,7 @@ int emit_is_streamed(const struct emission *e)
 {
 	int has_matrix = request_wants_derivative(e->request) || request_wants(e->request, WANT_REGRESSOR);
 
-	return e->target->kernel && has_matrix && (e->options->layout == RNEAGEN_SOA || e->is_turned) && !emit_is_staged(e);
+	return e->target->kernel && has_matrix && (e->options->layout == RNEAGEN_SOA || e->is_transposed) && !emit_is_staged(e);
 }
 
 int emit_stores_to_tiles(const struct emission *e)

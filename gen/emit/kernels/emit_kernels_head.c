@@ -3,7 +3,7 @@
 #include "emit/kernels/emit_kernel.h"
 #include "emit/kernels/emit_limbs.h"
 #include "emit/kernels/emit_tiles.h"
-#include "emit/kernels/emit_turn.h"
+#include "emit/kernels/emit_transpose.h"
 #include "emit/emit.h"
 
 static void put_relay(const struct emission *e, struct text *out)
@@ -90,10 +90,10 @@ void emit_kernels_head(const struct emission *e, struct text *out)
 		text_printf(out, " * From %d samples on %s_%s_launch takes %s_%s_part0_kernel and so on, one for each part, instead%s.\n",
 			emit_alone_least(e), e->options->name, emit_main(e)->algorithm->name, e->options->name, emit_main(e)->algorithm->name,
 			emit_has_tiles(e) ? ", where\n * the rows of all arrays begin at multiples of 16 bytes" : "");
-	if (e->is_turned)
-		text_printf(out, " * %s_%s_launch runs %s_%s_turn_kernel last: it turns outputs that the others have written as [row][sample]\n"
-			" * of %d samples at a time.\n", e->options->name, emit_main(e)->algorithm->name, e->options->name,
-			emit_main(e)->algorithm->name, emit_turned(e).samples);
+	if (e->is_transposed)
+		text_printf(out, " * %s_%s_launch runs %s_%s_transpose_kernel last: it transposes outputs that the others have written\n"
+			" * as [row][sample] of %d samples at a time.\n", e->options->name, emit_main(e)->algorithm->name, e->options->name,
+			emit_main(e)->algorithm->name, emit_transposed(e).samples);
 	if (emit_joints_again(e))
 		text_printf(out, " * The %s kernel makes some motion again, by stretches of at most %d joints, instead of keeping it.\n",
 			emit_main(e)->algorithm->name, emit_joints_again(e));

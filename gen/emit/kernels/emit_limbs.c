@@ -5,7 +5,7 @@
 #include "emit/kernels/emit_first_sines.h"
 #include "emit/kernels/emit_limbs.h"
 #include "emit/kernels/emit_parts.h"
-#include "emit/kernels/emit_turn.h"
+#include "emit/kernels/emit_transpose.h"
 #include "emit/unparse.h"
 #include "plan/stage.h"
 #include <string.h>
@@ -234,7 +234,7 @@ static void put_crew(const struct emission *e, const struct crew *c, struct text
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", c->named->algorithm->name}, {"T", e->numbers->value},
 		{"MACRO", c->macro}, {"WARPS", emit_int(e, s->warps)}, {"WORDS", emit_int(e, s->words)},
 		{"GROUPS", emit_int(e, s->groups)}, {"JOIN", join_text(e, s, lines)}, {"LIMBS", lines}, {"CASES", cases_text(e, c)},
-		{"TURN", emit_turn_begin(e)},
+		{"TRANSPOSE", emit_transpose_begin(e)},
 		{"FIRST", first_text(e, c)},
 		{"MOST", emit_int(e, (int)s->most)}, {"BYTES", emit_int(e, emit_limbs_bytes(e, s))},
 		{"PART", has_parts ? "blockIdx.y*RNEA_LIMBS + " : ""},

@@ -20,8 +20,8 @@ const char *emit_more(const struct emission *e, const struct function *p, int is
 const char *emit_gap(const struct emission *e, const struct function *p, int is_staged);
 const char *emit_launch_hands(const struct emission *e);
 
-/* Does it read qdd and mu in two arrays (plan/stretch.h)? What it is given for what a kernel before has handed on, `at` being where
-   the last array begins. */
+/* Does it read qdd and mu in two arrays (plan/stretch.h)? What it is given for what a kernel before has handed on, `at` being
+   where the last array begins. */
 int emit_takes_found(const struct function *p);
 const char *emit_handed(const struct emission *e, const struct function *p, const char *at, const char *step);
 

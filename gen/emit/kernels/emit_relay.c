@@ -5,7 +5,7 @@
 #include "emit/kernels/emit_limbs.h"
 #include "emit/kernels/emit_parts.h"
 #include "emit/kernels/emit_relay.h"
-#include "emit/kernels/emit_turn.h"
+#include "emit/kernels/emit_transpose.h"
 #include "plan/stage.h"
 #include <stdlib.h>
 
@@ -249,7 +249,7 @@ void emit_relay_solve(const struct emission *e, struct text *out)
 		{"KNOWN_PARAM", emit_known_params(e)}, {"KNOWN", emit_handed_on(e, emit_known_names(e))},
 		{"THREADS", emit_int(e, e->relay->threads)}, {"SAMPLES", emit_int(e, e->relay->samples)},
 		{"BYTES", emit_int(e, emit_relay_bytes(e))}, {"BLOCKS", emit_int(e, e->relay->blocks)},
-		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"TURN", emit_turn_begin(e)}, {"CALL", solve_call(e)},
+		{"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)}, {"TRANSPOSE", emit_transpose_begin(e)}, {"CALL", solve_call(e)},
 		{"LOOPS", loops_text(e)}};
 
 	template_expand(out, template_kernel_solve_in, slots, sizeof slots / sizeof *slots);
@@ -258,9 +258,9 @@ void emit_relay_solve(const struct emission *e, struct text *out)
 /* How the function begins that launches all three. */
 static const char *last_head(const struct emission *e)
 {
-	const char *unturned = emit_launch_unturned(e);
+	const char *others = emit_launch_others(e);
 
-	return unturned ? unturned : text_format(e->arena,
+	return others ? others : text_format(e->arena,
 		"/* Run the kernels on device pointers in the caller's stream (a cudaStream_t), each when the one before it is done:\n"
 		"   accelerations, what their gradients are solved from, and these. Returns the cudaError_t. */\n"
 		"extern \"C\" int %s_%s_launch", e->options->name, emit_main(e)->algorithm->name);
@@ -289,8 +289,8 @@ const char *emit_launch_head(const struct emission *e)
 	text_init(&t, e->arena);
 	if (e->relay)
 		text_printf(&t, "/* The second kernel. */\nstatic int %s_%s_launch_columns", e->options->name, function);
-	else if (e->is_turned)
-		text_put(&t, emit_launch_unturned(e));
+	else if (e->is_transposed)
+		text_put(&t, emit_launch_others(e));
 	else
 		text_printf(&t, "/* Run the kernel on device pointers in the caller's stream (a cudaStream_t); returns the cudaError_t. */\n"
 			"extern \"C\" int %s_%s_launch", e->options->name, function);

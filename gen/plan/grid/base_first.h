@@ -1,13 +1,14 @@
 #ifndef RNEAGEN_BASE_FIRST_H
 #define RNEAGEN_BASE_FIRST_H
-/* Accelerations of a robot whose base moves freely, by two kernels, one after the other. The first makes the base's own from what
-   each limb is felt as, and keeps nothing else of a limb when the next one begins (plan/order.h). The second reads it from rows of
-   qdd and makes each limb again, with the joints' accelerations; limbs then share nothing (joined.h). One kernel would keep all
-   that the way out takes of each limb until the base's acceleration is known. */
+/* Accelerations of a robot whose base moves freely, by two kernels, one after the other. The first makes the base's own from
+   what each limb is felt as, and keeps nothing else of a limb when the next one begins (plan/order.h). The second reads it from
+   rows of qdd and makes each limb again, with the joints' accelerations; limbs then share nothing (joined.h). One kernel would
+   keep all that the way out takes of each limb until the base's acceleration is known. */
 
 #include "plan/grid/parts.h"
 
-/* *count is 0 where that does not serve: another request, one that holds little at once, or parts that hold nearly as much. Returns 0 when memory runs out. */
+/* *count is 0 where that does not serve: another request, one that holds little at once, or parts that hold nearly as much.
+   Returns 0 when memory runs out. */
 int base_first_make(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a);
 
 /* Are these such kernels? */

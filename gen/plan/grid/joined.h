@@ -9,8 +9,8 @@
    Returns how many there are; 0 when memory runs out. */
 int joined_own(int *owner, const struct dag *d, int nv, struct arena *a);
 
-/* The same of limbs on a base that has the first rows: what is made of the base's inputs alone joins nothing, and each part makes it
-   again. */
+/* The same of limbs on a base that has the first rows: what is made of the base's inputs alone joins nothing, and each part
+   makes it again. */
 int joined_own_beyond(int *owner, const struct dag *d, const struct tree *t, int base_rows, struct arena *a);
 
 #endif

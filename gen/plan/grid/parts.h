@@ -29,7 +29,7 @@ struct parts_of {
 	int has_kernels;
 	int is_unpruned; /* `raw` is what the algorithm makes of the request, and nothing was dropped */
 	int is_relayed;  /* it is a kernel of a relay: one part at least */
-	int is_turned;   /* outputs are turned at the end (plan/turned.h); the options say soa */
+	int is_transposed; /* outputs are transposed at the end (plan/transposed.h); the options say soa */
 };
 
 /* Are they those of apart.h, limbs that share nothing or hands? Then each has a slice of its own, and the whole serves small

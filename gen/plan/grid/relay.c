@@ -75,7 +75,7 @@ static int build_alone(struct dag *d, const struct request *alone, const struct 
 	return 1;
 }
 
-/* In parts where limbs share nothing, else in segments where that pays, unless outputs are turned. */
+/* In parts where limbs share nothing, else in segments where that pays, unless outputs are transposed. */
 static int divide_start(
 	struct relay *r, const struct dag *raw, const struct request *alone, const struct parts_of *x, struct arena *a)
 {
@@ -84,7 +84,7 @@ static int divide_start(
 
 	if (raw && !apart_make(&r->starts, &r->start_count, &own, a))
 		return 0;
-	return r->start_count || x->is_turned || segments_choose(&r->start.function, SEGMENT_KERNEL, alone, x->options, a);
+	return r->start_count || x->is_transposed || segments_choose(&r->start.function, SEGMENT_KERNEL, alone, x->options, a);
 }
 
 static int build_start(struct relay *r, struct share *share, const char *name, const struct parts_of *x, struct arena *spare,

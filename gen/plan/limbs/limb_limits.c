@@ -93,8 +93,8 @@ enum { MOST_BESIDE_PARTS = 256, MOST_BESIDE_QDD_F64 = 32 };
    0.89 2.37; floating g1_29dof 0.43 0.77 0.85 1.92; simple_humanoid 0.63 1.07 1.17 4.25 (results/limbs_h200.csv). */
 enum { MOST_BESIDE_AGAIN = 2048 };
 
-/* At least so many samples, beside the two kernels of base_first.h. H200, us by limbs and by two kernels, of 4096 samples and of 8192:
-   floating atlas 22 and 42, 25 and 47, g1_29dof 31 and 45, 42 and 51, in aos 32 and 45, 64 and 51. */
+/* At least so many samples, beside the two kernels of base_first.h. H200, us by limbs and by two kernels, of 4096 samples and of
+   8192: floating atlas 22 and 42, 25 and 47, g1_29dof 31 and 45, 42 and 51, in aos 32 and 45, 64 and 51. */
 enum { MOST_BESIDE_BASE = 4096 };
 
 /* Outputs that go through windows have no limbs, whose warps would write elements that stand a sample apart (64 to 4096 samples,

@@ -350,8 +350,8 @@ START_TEST(test_strict_again)
 }
 END_TEST
 
-/* Turned matrices with so few zeros that tables of what is kept take more room than the zeros: these are written like the rest.
-   It would catch slices without room for a sample. */
+/* Transposed matrices with so few zeros that tables of what is kept take more room than the zeros: these are written like the
+   rest. It would catch slices without room for a sample. */
 START_TEST(test_few_zeros)
 {
 	const struct subject s = {"fork 28 6", "want M\ndense\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 0, {0}, 0};
@@ -360,7 +360,7 @@ START_TEST(test_few_zeros)
 	struct launch x, y;
 
 	generate(&s, &o, &t);
-	ck_assert_ptr_nonnull(strstr(t.text.source, "\"turn 4 "));
+	ck_assert_ptr_nonnull(strstr(t.text.source, "\"transpose 4 "));
 	o.target = RNEAGEN_TARGET_C;
 	generate(&s, &o, &c);
 	x = launched_run(launched_open(&t, RNEA_BACKEND_CUDA, 0), COUNT, SEED, 0);

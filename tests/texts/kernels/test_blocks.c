@@ -230,38 +230,39 @@ static const struct subject WINDOWS[] = {
 	{"atlas", RNEAGEN_F64, RNEAGEN_AOS, "want M\ndense\n", {32, 64}, 1e-12},
 };
 
-/* Turned at the end: in parts, with kernels of their own for large batches; with zeros that a loop stores. The last group of samples
-   is not full. */
-static const struct subject TURNED[] = {
+/* Transposed at the end: in parts, with kernels of their own for large batches; with zeros that a loop stores. The last group of
+   samples is not full. */
+static const struct subject TRANSPOSED[] = {
 	{"atlas", RNEAGEN_F32, RNEAGEN_AOS, "want tau,dtau_dq\ndense\n", {32, 1024}, 2e-4},
-	{"panda", RNEAGEN_F64, RNEAGEN_AOS, "want tau,dtau_dq,dtau_dqd,M\nfree gravity:batch,mass.panda_link5:sample\n", {33, 64}, 1e-12},
+	{"panda", RNEAGEN_F64, RNEAGEN_AOS, "want tau,dtau_dq,dtau_dqd,M\nfree gravity:batch,mass.panda_link5:sample\n",
+		{33, 64}, 1e-12},
 	{"atlas", RNEAGEN_F64, RNEAGEN_AOS, "want tau,regressor\n", {64}, 1e-12},
 };
 
 enum { LITTLE = 64 << 10 }; /* shared memory of a GPU of compute capability 7.5 */
 
 /* --info=json says of the last kernel what the table says. */
-static void check_turned(const struct target *t, unsigned samples)
+static void check_transposed(const struct target *t, unsigned samples)
 {
-	const char *line = strstr(t->text.source, "\"turn ");
+	const char *line = strstr(t->text.source, "\"transpose ");
 	unsigned own, threads, bytes;
 	char member[80];
 
-	ck_assert(line && sscanf(line, "\"turn %u %u %u", &own, &threads, &bytes) == 3);
+	ck_assert(line && sscanf(line, "\"transpose %u %u %u", &own, &threads, &bytes) == 3);
 	ck_assert_uint_eq(own, samples);
-	snprintf(member, sizeof member, "\"turned\": {\"samples\": %u, \"threads\": %u, \"bytes\": %u}", own, threads, bytes);
+	snprintf(member, sizeof member, "\"transposed\": {\"samples\": %u, \"threads\": %u, \"bytes\": %u}", own, threads, bytes);
 	ck_assert_msg(strstr(t->text.info_json, member) != NULL, "no %s", member);
 }
 
-/* This would catch an element that stays where it was written, one of another group's samples, what is turned too early, and a
-   text that takes more shared memory than a GPU has. */
-START_TEST(test_turned)
+/* This would catch an element that stays where it was written, one of another group's samples, what is transposed too early, and
+   a text that takes more shared memory than a GPU has. */
+START_TEST(test_transposed)
 {
-	const struct subject *s = &TURNED[_i];
+	const struct subject *s = &TRANSPOSED[_i];
 	struct trial t;
 
 	trial_open(&t, s, s->blocks[0]);
-	check_turned(&t.text, _i < 2 ? 16 : 4);
+	check_transposed(&t.text, _i < 2 ? 16 : 4);
 	ck_assert(COUNT % 16 != 0);
 	for (int b = 0; b < 3 && s->blocks[b]; b++)
 		if (exhaustive() || !b)
@@ -427,7 +428,7 @@ int main(void)
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(s, "values", test_values, SUBJECT_COUNT, 300);
 	suite_add(s, "windows", test_windows, sizeof WINDOWS / sizeof *WINDOWS, 300);
-	suite_add(s, "turned", test_turned, sizeof TURNED / sizeof *TURNED, 300);
+	suite_add(s, "transposed", test_transposed, sizeof TRANSPOSED / sizeof *TRANSPOSED, 300);
 	suite_add(s, "occupancy", test_occupancy, 2, 60);
 	suite_add(s, "refused", test_refused, 1, 60);
 	suite_add(s, "advance", test_advance, sizeof ADVANCES / sizeof *ADVANCES, 60);

@@ -196,7 +196,7 @@ static const struct stored {
 	{"hyq", "want tau,regressor\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 1},
 	{"ur5", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F64, 0}, /* staged */
 	{"iiwa14", ALL, RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 0}, /* staged */
-	{"atlas", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 1}, /* turned at the end */
+	{"atlas", "want tau,dtau_dq,dtau_dqd\n", RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 1}, /* transposed at the end */
 	{"atlas", "want tau,regressor\n", RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 1}, /* the same */
 	{"atlas", "want M\ndense\n", RNEAGEN_TARGET_CUDA, RNEAGEN_AOS, RNEAGEN_F32, 0}, /* through windows */
 	{"iiwa14", NULL, RNEAGEN_TARGET_CUDA, RNEAGEN_SOA, RNEAGEN_F32, 0},

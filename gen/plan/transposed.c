@@ -1,27 +1,27 @@
-#include "plan/turned.h"
+#include "plan/transposed.h"
 #include "plan/grid/owners.h"
 #include "plan/stage.h"
 
-/* Samples of a block: those of two sectors of memory in f32, or as few as fill one. Shared memory of a block at most: what all GPUs
-   have since compute capability 7.5. */
+/* Samples of a block: those of two sectors of memory in f32, or as few as fill one. Shared memory of a block at most: what all
+   GPUs have since compute capability 7.5. */
 enum { MANY = 16, SECTOR_BYTES = 32, MOST_BYTES = 64 << 10 };
 
-/* Blocks that shared memory allows, of the 227 KiB of an H100, are to fill a multiprocessor with threads. H200, a kernel alone that turns
-   900 rows of which 494 are kept, ps a sample: f32 2080 with 256 threads, 1900 with 320, 1960 with 512; f64 by 8 samples 3740 with 256.
-   With all rows in shared memory: 3400 in f32. */
+/* Blocks that shared memory allows, of the 227 KiB of an H100, are to fill a multiprocessor with threads. H200, a kernel alone
+   that transposes 900 rows of which 494 are kept, ps a sample: f32 2080 with 256 threads, 1900 with 320, 1960 with 512; f64 by 8
+   samples 3740 with 256. With all rows in shared memory: 3400 in f32. */
 enum { SM_BYTES = 227 << 10, SM_THREADS = 2048, FEWEST_THREADS = 256, MOST_THREADS = 512, WARP = 32 };
 
-struct rneagen_options turned_options(const struct rneagen_options *o, int is_turned)
+struct rneagen_options transposed_options(const struct rneagen_options *o, int is_transposed)
 {
 	struct rneagen_options own = *o;
 
-	if (is_turned)
+	if (is_transposed)
 		own.layout = RNEAGEN_SOA;
 	return own;
 }
 
-/* From one row to the next there is room for a sample more, so that threads are in different banks. Where rows are zero, they share
-   one row more, and tables say of each row where it is kept and of each that is kept which it is. */
+/* From one row to the next there is room for a sample more, so that threads are in different banks. Where rows are zero, they
+   share one row more, and tables say of each row where it is kept and of each that is kept which it is. */
 static int array_bytes(int rows, int kept, int samples, const struct rneagen_options *o)
 {
 	int row = (samples + 1) * stage_number_bytes(o);
@@ -50,22 +50,22 @@ static int threads_of(int bytes)
 	return threads < FEWEST_THREADS ? FEWEST_THREADS : threads > MOST_THREADS ? MOST_THREADS : threads;
 }
 
-struct turned turned_of(const struct dag *d, const int *kept, const struct rneagen_options *o)
+struct transposed transposed_of(const struct dag *d, const int *kept, const struct rneagen_options *o)
 {
 	for (int samples = MANY; samples * stage_number_bytes(o) >= SECTOR_BYTES; samples /= 2) {
 		int bytes = bytes_of(d, kept, samples, o);
 
 		if (bytes <= MOST_BYTES)
-			return (struct turned){samples, threads_of(bytes), bytes};
+			return (struct transposed){samples, threads_of(bytes), bytes};
 	}
-	return (struct turned){0, 0, 0};
+	return (struct transposed){0, 0, 0};
 }
 
-int turned_may_be(const struct dag *d, const struct request *k, const struct rneagen_options *o)
+int transposed_may_be(const struct dag *d, const struct request *k, const struct rneagen_options *o)
 {
 	if (o->layout != RNEAGEN_AOS || (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64))
 		return 0;
 	if (o->parts != RNEAGEN_PARTS_AUTO || o->segments != RNEAGEN_SEGMENTS_AUTO)
 		return 0;
-	return owners_matrix(k) && !stage_holds_all(d, o) && turned_of(d, NULL, o).samples > 0;
+	return owners_matrix(k) && !stage_holds_all(d, o) && transposed_of(d, NULL, o).samples > 0;
 }

@@ -1,5 +1,5 @@
-/* Kernels that write outputs as in soa, some samples at a time, and the kernel that turns these to [sample][row]. */
-#include "emit/kernels/emit_turn.h"
+/* Kernels that write outputs as in soa, some samples at a time, and the kernel that transposes these to [sample][row]. */
+#include "emit/kernels/emit_transpose.h"
 #include "base/template.h"
 #include "plan/stage.h"
 
@@ -13,34 +13,35 @@ static int kept_rows(const struct emission *e, int argument)
 	return kept;
 }
 
-struct turned emit_turned(const struct emission *e)
+struct transposed emit_transposed(const struct emission *e)
 {
 	const struct dag *d = emit_arguments(e);
 	int *kept = arena_alloc(e->arena, (size_t)d->argument_count + 1, sizeof *kept);
 
 	for (int i = 0; i < d->argument_count && kept; i++)
 		kept[i] = kept_rows(e, i);
-	return turned_of(d, kept, e->options);
+	return transposed_of(d, kept, e->options);
 }
 
-void emit_turn_samples(const struct emission *e, struct text *out)
+void emit_transpose_samples(const struct emission *e, struct text *out)
 {
-	if (e->is_turned)
-		text_printf(out, "#define RNEA_TURN %d /* samples whose outputs are turned at a time */\n\n", emit_turned(e).samples);
+	if (e->is_transposed)
+		text_printf(out, "#define RNEA_TRANSPOSED %d /* samples whose outputs are transposed at a time */\n\n",
+			emit_transposed(e).samples);
 }
 
 /* `array + k` is then the sample's first row, and `count` the way to the next one. */
-const char *emit_turn_begin(const struct emission *e)
+const char *emit_transpose_begin(const struct emission *e)
 {
 	const struct dag *d = emit_arguments(e);
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (!e->is_turned)
+	if (!e->is_transposed)
 		return text_string(&t);
-	text_put(&t, "\tconst size_t group = k - k%RNEA_TURN;\n\n"
-		"\t/* outputs stand as [row][sample], RNEA_TURN samples at a time, until they are turned */\n"
-		"\tcount = count - group < RNEA_TURN ? count - group : RNEA_TURN;\n");
+	text_put(&t, "\tconst size_t group = k - k%RNEA_TRANSPOSED;\n\n"
+		"\t/* outputs stand as [row][sample], RNEA_TRANSPOSED samples at a time, until they are transposed */\n"
+		"\tcount = count - group < RNEA_TRANSPOSED ? count - group : RNEA_TRANSPOSED;\n");
 	for (int i = 0; i < d->argument_count; i++)
 		if (d->arguments[i].is_output && d->arguments[i].rows > 1)
 			text_printf(&t, "\t%s += group*%d;\n", d->arguments[i].name, d->arguments[i].rows - 1);
@@ -73,7 +74,7 @@ static int put_kept_runs(const struct emission *e, int argument, struct text *ou
 	return runs;
 }
 
-/* The table of these, and the case of the kernel that turns the array. */
+/* The table of these, and the case of the kernel that transposes the array. */
 static void put_output(const struct emission *e, int argument, int number, struct text *tables, struct text *cases)
 {
 	const struct argument *a = &emit_arguments(e)->arguments[argument];
@@ -87,16 +88,16 @@ static void put_output(const struct emission *e, int argument, int number, struc
 		name = text_format(e->arena, "%s_%s_kept", e->options->name, a->name);
 		text_printf(tables, "static __constant__ const unsigned %s[%d][3] = {%s};\n", name, runs, text_string(&list));
 	}
-	text_printf(cases, "\tcase %d:\n\t\trneagen_turn<%d>(%s + first*%d, samples, slices, %d, %s, %d);\n\t\tbreak;\n", number, a->rows,
-		a->name, a->rows, kept, name, runs);
+	text_printf(cases, "\tcase %d:\n\t\trneagen_transpose<%d>(%s + first*%d, samples, slices, %d, %s, %d);\n\t\tbreak;\n", number,
+		a->rows, a->name, a->rows, kept, name, runs);
 }
 
-void emit_turn(const struct emission *e, struct text *out)
+void emit_transpose(const struct emission *e, struct text *out)
 {
-	if (!e->is_turned)
+	if (!e->is_transposed)
 		return;
 	const struct dag *d = emit_arguments(e);
-	struct turned t = emit_turned(e);
+	struct transposed t = emit_transposed(e);
 	struct text tables, cases;
 	int number = 0;
 
@@ -109,37 +110,37 @@ void emit_turn(const struct emission *e, struct text *out)
 		{"THREADS", emit_int(e, t.threads)}, {"BYTES", emit_int(e, t.bytes)}, {"TABLES", text_string(&tables)},
 		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"CASES", text_string(&cases)}};
 
-	template_expand(out, template_turn_in, slots, sizeof slots / sizeof *slots);
+	template_expand(out, template_transpose_in, slots, sizeof slots / sizeof *slots);
 }
 
-const char *emit_launch_turn(const struct emission *e)
+const char *emit_launch_transpose(const struct emission *e)
 {
 	const struct function *p = emit_main(e);
 
-	if (!e->is_turned)
+	if (!e->is_transposed)
 		return "";
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"PARAMS", emit_params(e, p, PARAMS_PLAIN)}, {"NAMES", emit_params(e, p, PARAMS_NAMES)},
 		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"SHARED_BYTES", emit_int(e, SHARED_BYTES)},
 		{"OUTPUTS", emit_int(e, outputs_of(e))}};
 
-	return template_text(e->arena, template_turn_launch_in, slots, sizeof slots / sizeof *slots);
+	return template_text(e->arena, template_transpose_launch_in, slots, sizeof slots / sizeof *slots);
 }
 
-const char *emit_launch_unturned(const struct emission *e)
+const char *emit_launch_others(const struct emission *e)
 {
-	if (!e->is_turned)
+	if (!e->is_transposed)
 		return NULL;
-	return text_format(e->arena, "/* All kernels but the last. */\nstatic int %s_%s_launch_unturned", e->options->name,
+	return text_format(e->arena, "/* All kernels but the last. */\nstatic int %s_%s_launch_others", e->options->name,
 		emit_main(e)->algorithm->name);
 }
 
-void emit_info_turn(const struct emission *e, struct text *out)
+void emit_info_transpose(const struct emission *e, struct text *out)
 {
-	struct turned t;
+	struct transposed t;
 
-	if (!e->is_turned)
+	if (!e->is_transposed)
 		return;
-	t = emit_turned(e);
-	text_printf(out, "turn %d %d %d\n", t.samples, t.threads, t.bytes);
+	t = emit_transposed(e);
+	text_printf(out, "transpose %d %d %d\n", t.samples, t.threads, t.bytes);
 }
