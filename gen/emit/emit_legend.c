@@ -197,10 +197,12 @@ static void put_parts(const struct emission *e, struct text *out)
 			"what a hand left in the row of the link's joint", out);
 	if (emit_finds_mu(e))
 		put_entry("handed found mu step", "where qdd and mu stand in the vjp, or in slices; from a row to the next", out);
+	else if (emit_finds_base(e))
+		put_entry("handed step", "where what was found stands; from a row to the next", out);
 	else if (emit_hands(e))
 		put_entry("handed gap step",
 			"what hands left in the last array; rows that a part's slice lacks; from a row of handed to the next", out);
-	if (!emit_hands(e) && has_part(e, has_gap))
+	if ((!emit_hands(e) || emit_finds_base(e)) && has_part(e, has_gap))
 		put_entry("gap", "rows that a part's tiles lack", out);
 	if (has_part(e, tiles_are_inputs))
 		put_entry("inner", "from one row of an input to the next, which may be in a tile", out);

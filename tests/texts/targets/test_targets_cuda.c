@@ -406,7 +406,37 @@ START_TEST(linked_together)
 }
 END_TEST
 
-/* Of a long text the compiler may choose to spill nearly all: it once gave each thread of this one 32 registers. */
+/* Of a long text the compiler may choose to spill nearly all: it once gave each thread of these 32 registers. */
+START_TEST(second_derivatives)
+{
+	struct rneagen_options o = rneagen_options_default();
+
+	if (!exhaustive() || !nvcc)
+		return;
+	o.base = RNEAGEN_FLOATING;
+	o.precision = RNEAGEN_F32;
+	o.limbs = RNEAGEN_LIMBS_NONE;
+	o.scene = "vjp qdd\njvp vjp\n";
+	check_registers(TEST_DIR "/robots/hyq.urdf", &o, 200);
+}
+END_TEST
+
+/* In aos no part of these has all rows of an array. It would catch a function that none calls, and of which nvcc warns. */
+START_TEST(base_first)
+{
+	struct rneagen_options o = rneagen_options_default();
+
+	if (!exhaustive() || !nvcc)
+		return;
+	o.base = RNEAGEN_FLOATING;
+	o.precision = RNEAGEN_F64;
+	o.layout = RNEAGEN_AOS;
+	o.limbs = RNEAGEN_LIMBS_NONE;
+	o.scene = "want qdd\n";
+	check_registers(TEST_DIR "/robots/atlas.urdf", &o, 200);
+}
+END_TEST
+
 START_TEST(long_accelerations)
 {
 	const char *folder = getenv("RNEAGEN_ROBOTS");
@@ -451,6 +481,8 @@ int main(void)
 	add_case(suite, "others", other_robots, find_nvcc);
 	add_case(suite, "header", header_in_kernel, find_nvcc);
 	add_case(suite, "linked", linked_together, find_nvcc);
+	add_case(suite, "second", second_derivatives, find_nvcc);
+	add_case(suite, "base", base_first, find_nvcc);
 	add_case(suite, "long", long_accelerations, find_nvcc);
 	return suite_run(suite);
 }
