@@ -55,6 +55,19 @@ static void read_base(struct dag *copy, const struct share *s, const int *kernel
 	}
 }
 
+/* The shares of both kernels, and the DAG of the second, which reads what the first one makes. */
+static int divide(struct share *s, struct dag *limbs, const struct dag *d, int base_rows, struct arena *spare)
+{
+	const int *kernel = kernels_of(d, base_rows, spare);
+
+	if (!kernel || !share_begin(s, d, kernel, spare))
+		return 0;
+	share_copy(s, SECOND, SECOND + 1, limbs, spare);
+	if (!limbs->failed)
+		read_base(limbs, s, kernel);
+	return !limbs->failed;
+}
+
 static int make_base(struct part *p, struct share *s, const struct parts_of *x, struct arena *a)
 {
 	const char *name = text_format(a, "%s_part0", x->whole->algorithm->name);
@@ -70,26 +83,21 @@ static int make_base(struct part *p, struct share *s, const struct parts_of *x, 
 int base_first_make(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)
 {
 	static const char WHAT[] = "limbs, where the base's acceleration is found";
+	const int base_rows = joint_nv(JOINT_FLOATING), whole = is_served(x) ? plan_alive(&x->whole->plan, spare) : 0;
 	struct share s;
 	struct dag limbs;
-	int *kernel, *owner, base_rows, limb_parts;
+	int *owner, limb_parts; /* by output of the limbs: its part; parts */
 
-	if (!is_served(x) || plan_alive(&x->whole->plan, spare) <= FULL)
+	if (whole <= FULL)
 		return !spare->failed;
-	base_rows = joint_nv(x->tree->bodies[0].type);
-	kernel = kernels_of(x->raw, base_rows, spare);
 	owner = arena_alloc(spare, x->raw->output_count + 1, sizeof *owner);
-	if (!kernel || !owner || !share_begin(&s, x->raw, kernel, spare))
+	if (!owner || !divide(&s, &limbs, x->raw, base_rows, spare))
 		return 0;
-	share_copy(&s, SECOND, SECOND + 1, &limbs, spare);
-	if (limbs.failed)
-		return 0;
-	read_base(&limbs, &s, kernel);
 	limb_parts = joined_own_beyond(owner, &limbs, x->tree, base_rows, spare);
 	*parts = limb_parts ? arena_alloc(a, 1 + (size_t)limb_parts, sizeof **parts) : NULL;
 	if (!*parts || !make_base(*parts, &s, x, a) || !apart_make_limbs(*parts, 1, limb_parts, &limbs, owner, WHAT, x, spare, a))
 		return 0;
-	*count = parts_alive(*parts, 1 + limb_parts) <= LEFT * plan_alive(&x->whole->plan, spare) ? 1 + limb_parts : 0;
+	*count = parts_alive(*parts, 1 + limb_parts) <= LEFT * whole ? 1 + limb_parts : 0;
 	return !spare->failed;
 }
 
