@@ -21,7 +21,7 @@ struct emission {
 	const struct part *parts;              /* what the first function does, as parts of the grid; part_count 0: it is whole */
 	int part_count;
 	const struct relay *relay;             /* whose second kernel has these parts; NULL: there is one kernel */
-	int is_transposed;                         /* kernels write as in soa (plan/transposed.h); their options say soa */
+	int is_transposed;                     /* kernels write as in soa (plan/transposed.h); their options say soa */
 	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
 	const char *const *warnings;
 	size_t warning_count;
@@ -333,8 +333,10 @@ int emit_is_zero_store(const struct plan *p, const struct line *l);
 const char *emit_zeros_unless(const struct emission *e, const struct function *p, int is_beside);
 void emit_zeros(const struct emission *e, struct text *out);
 const char *emit_zero_loops(const struct emission *e, const char *first, const char *step);
-/* Of an array, which rows are zeros that the kernel writes which transposes outputs, 1 each; NULL: others have written all. */
-const unsigned char *emit_late_zeros(const struct emission *e, int argument);
+/* By argument, how many rows others write than the kernel that transposes outputs, which writes the zeros; NULL: they write all.
+   And of an array, which rows are zeros, 1 each. */
+const int *emit_kept_rows(const struct emission *e);
+const unsigned char *emit_zero_rows(const struct emission *e, int argument);
 
 /* Where the run ends of elements that are as the first one is. */
 int emit_run_end(const unsigned char *mask, int rows, int first);

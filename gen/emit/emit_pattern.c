@@ -313,8 +313,7 @@ static int zero_runs(const struct emission *e, int argument, struct text *out)
 	return emit_zero_runs(e, d, d->outputs, d->output_count, argument, out);
 }
 
-/* By argument, the rows that are not always zero. */
-static int *kept_rows(const struct emission *e)
+static int *count_kept(const struct emission *e)
 {
 	const struct dag *d = stored_by(e);
 	int *kept = arena_alloc(e->arena, (size_t)d->argument_count + 1, sizeof *kept);
@@ -326,27 +325,29 @@ static int *kept_rows(const struct emission *e)
 	return kept;
 }
 
-/* Does the kernel that transposes outputs write the zeros? Not a relay's, whose third kernel reads them, nor where the tables
-   for that take more room than the zeros. */
-static int has_late_zeros(const struct emission *e)
+/* Not a relay's zeros, which the third kernel reads, nor where the tables for that take more room than the zeros. */
+const int *emit_kept_rows(const struct emission *e)
+{
+	const struct dag *d = stored_by(e);
+	const int *kept;
+
+	if (!e->is_transposed || e->relay || !emit_has_zeros(e, emit_main(e)))
+		return NULL;
+	kept = count_kept(e);
+	return transposed_of(d, kept, e->options).samples >= transposed_of(d, NULL, e->options).samples ? kept : NULL;
+}
+
+const unsigned char *emit_zero_rows(const struct emission *e, int argument)
 {
 	const struct dag *d = stored_by(e);
 
-	return e->is_transposed && !e->relay && emit_has_zeros(e, emit_main(e)) &&
-		transposed_of(d, kept_rows(e), e->options).samples >= transposed_of(d, NULL, e->options).samples;
+	return zero_rows(e, d, d->outputs, d->output_count, argument);
 }
 
-/* Or do loops of the other kernels? */
+/* Do loops of kernels write the zeros? */
 static int has_zero_loops(const struct emission *e)
 {
-	return emit_has_zeros(e, emit_main(e)) && !has_late_zeros(e);
-}
-
-const unsigned char *emit_late_zeros(const struct emission *e, int argument)
-{
-	const struct dag *d = stored_by(e);
-
-	return has_late_zeros(e) ? zero_rows(e, d, d->outputs, d->output_count, argument) : NULL;
+	return emit_has_zeros(e, emit_main(e)) && !emit_kept_rows(e);
 }
 
 void emit_zeros(const struct emission *e, struct text *out)

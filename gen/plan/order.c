@@ -88,7 +88,10 @@ static struct waiting write_by_rows(struct orderer *x, int has_bias, size_t room
 	if (!has_bias)
 		return rows;
 	bias = write_as(x, ORDER_BIAS, room);
-	return is_less(bias, rows) ? bias : write_as(x, ORDER_ROWS, room);
+	if (is_less(bias, rows))
+		return bias;
+	order_write(x, ORDER_ROWS);
+	return rows;
 }
 
 /* Where tau has the place of qdd in shared memory: is each joint's qdd read before its torque is stored? The torque of a

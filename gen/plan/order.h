@@ -9,7 +9,7 @@ enum { TAKES_VELOCITIES = 1, TAKES_TORQUES = 2 };
 
 /* The rows of the last joints first, or before each of them the bias that it takes. Or joint after joint, what the inputs up to
    its own are enough for: little but what the trunk needs is left of a limb when the next one begins. */
-enum order_way { ORDER_ROWS, ORDER_BIAS, ORDER_INPUTS, ORDER_WAYS };
+enum order_way { ORDER_ROWS, ORDER_BIAS, ORDER_INPUTS };
 
 struct orderer {
 	const struct plan *p;
@@ -20,7 +20,7 @@ struct orderer {
 	uint32_t *wait;            /* by line: readings that are not made yet */
 	uint32_t *need;            /* by line: values that are at hand at once while it is made (Sethi and Ullman 1970) */
 	unsigned char *takes;      /* by node: of these inputs */
-	int *reach;                /* by node: the last row of qd whose joint's inputs it takes; -1: it takes none */
+	int *reach;                /* by node, for ORDER_INPUTS: the last row of qd whose joint's inputs it takes; -1: it takes none */
 	uint32_t *cone, cones;     /* by line: the last stored line that was seen to take it; how many were looked at */
 	unsigned char *done;       /* by line */
 	uint32_t end;              /* lines from here on stay where they are */

@@ -48,21 +48,6 @@ static void find_taken(struct orderer *x)
 	}
 }
 
-static void find_reach(struct orderer *x)
-{
-	const struct dag *d = x->p->dag;
-
-	for (size_t i = 0; i < d->count; i++) {
-		const struct node *n = &d->nodes[i];
-		const struct tree_joint *j = n->op == OP_INPUT ? readings_joint(d, n, x->t) : NULL;
-
-		x->reach[i] = j ? j->iv + j->nv - 1 : -1;
-		for (int k = 0; k < op_arity[n->op]; k++)
-			if (x->reach[n->arg[k].i] > x->reach[i])
-				x->reach[i] = x->reach[n->arg[k].i];
-	}
-}
-
 /* With the neediest operand first, each next one has one value more beside it. */
 static uint32_t need_of(const struct orderer *x, uint32_t line)
 {
@@ -106,7 +91,6 @@ int order_begin(struct orderer *x, struct arena *a)
 		return 0;
 	find_readers(x);
 	find_taken(x);
-	find_reach(x);
 	for (uint32_t i = 0; i < lines; i++)
 		x->need[i] = need_of(x, i);
 	return 1;
@@ -246,9 +230,25 @@ static void begin_writing(struct orderer *x, uint32_t end)
 	order_find_left(x);
 }
 
+static void find_reach(struct orderer *x)
+{
+	const struct dag *d = x->p->dag;
+
+	for (size_t i = 0; i < d->count; i++) {
+		const struct node *n = &d->nodes[i];
+		const struct tree_joint *j = n->op == OP_INPUT ? readings_joint(d, n, x->t) : NULL;
+
+		x->reach[i] = j ? j->iv + j->nv - 1 : -1;
+		for (int k = 0; k < op_arity[n->op]; k++)
+			if (x->reach[n->arg[k].i] > x->reach[i])
+				x->reach[i] = x->reach[n->arg[k].i];
+	}
+}
+
 /* Joint after joint, all lines that the inputs up to its own are enough for. */
 static void write_by_inputs(struct orderer *x)
 {
+	find_reach(x);
 	for (x->row = 0; x->row < x->t->nv; x->row++)
 		for (uint32_t i = 0; i < x->p->line_count; i++) {
 			const struct line *l = &x->p->lines[i];

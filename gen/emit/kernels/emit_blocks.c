@@ -14,8 +14,7 @@ enum { DERIVATIVE_BLOCK = 64 };
 
 /* Where launch bounds pay: see min_blocks. */
 enum { ARM_BODIES = 12, MANY_BODIES = 24, FEW_ALIVE = 45, MANY_ALIVE = 60, MOST_ALIVE = 100, FEW_DOUBLE = 64, LATE_SINGLE = 140,
-	FULL_SINGLE = 220, FULL_DOUBLE = 170, OVERFULL_DOUBLE = 340,
-	OVERFULL_SINGLE = 1200 };
+	FULL_SINGLE = 220, FULL_DOUBLE = 170, OVERFULL_DOUBLE = 340, OVERFULL_SINGLE = 1200 };
 
 int emit_pitch(const struct emission *e, int rows)
 {
@@ -168,9 +167,9 @@ static int is_overfull_forward(const struct emission *e)
    356 and 373, solo12 357 and 358). iiwa14, 137 values, takes 412 with a bound and 386 without. Of accelerations, where very many
    wait, the compiler's own choice is 168 registers, and it spills more: 7584 bytes instead of 6368 for floating hyq, 361 values
    alive; but of panda and of iiwa14 320 instead of 1008 and 192 instead of 720, for it then spills to shared memory.
-   In f32 second derivatives of qdd are the longest texts. By its own choice it gives them 32 registers; with room for two blocks it
-   takes 255, and stores 11 kB instead of 37 of atlas and of g1_29dof, 15 instead of 45 of floating hyq (1436 values alive). Of yumi,
-   which has fewer, it takes 168, and stores 9 kB either way. */
+   In f32 second derivatives of qdd are the longest texts. By its own choice it gives them 32 registers; with room for two blocks
+   it takes 255, and stores 11 kB instead of 37 of atlas and of g1_29dof, 15 instead of 45 of floating hyq (1436 values alive). Of
+   yumi, which has fewer (694), it takes 168, and stores 9 kB either way. */
 static int min_derivative_blocks(const struct emission *e)
 {
 	int alive = plan_alive(&emit_main(e)->plan, e->arena);

@@ -3,24 +3,9 @@
 #include "base/template.h"
 #include "plan/stage.h"
 
-static int kept_rows(const struct emission *e, int argument)
-{
-	const unsigned char *zero = emit_late_zeros(e, argument);
-	int rows = emit_arguments(e)->arguments[argument].rows, kept = rows;
-
-	for (int i = 0; i < rows && zero; i++)
-		kept -= zero[i];
-	return kept;
-}
-
 struct transposed emit_transposed(const struct emission *e)
 {
-	const struct dag *d = emit_arguments(e);
-	int *kept = arena_alloc(e->arena, (size_t)d->argument_count + 1, sizeof *kept);
-
-	for (int i = 0; i < d->argument_count && kept; i++)
-		kept[i] = kept_rows(e, i);
-	return transposed_of(d, kept, e->options);
+	return transposed_of(emit_arguments(e), emit_kept_rows(e), e->options);
 }
 
 void emit_transpose_samples(const struct emission *e, struct text *out)
@@ -61,7 +46,7 @@ static int outputs_of(const struct emission *e)
 /* Of an array with zeros, the runs of rows that are none. Returns how many. */
 static int put_kept_runs(const struct emission *e, int argument, struct text *out)
 {
-	const unsigned char *zero = emit_late_zeros(e, argument);
+	const unsigned char *zero = emit_zero_rows(e, argument);
 	int rows = emit_arguments(e)->arguments[argument].rows, runs = 0, before = 0;
 
 	for (int i = 0, end; i < rows && zero; i = end) {
@@ -75,10 +60,10 @@ static int put_kept_runs(const struct emission *e, int argument, struct text *ou
 }
 
 /* The table of these, and the case of the kernel that transposes the array. */
-static void put_output(const struct emission *e, int argument, int number, struct text *tables, struct text *cases)
+static void put_output(const struct emission *e, int argument, int kept, int number, struct text *tables, struct text *cases)
 {
 	const struct argument *a = &emit_arguments(e)->arguments[argument];
-	int kept = kept_rows(e, argument), runs;
+	int runs;
 	const char *name = "0";
 	struct text list;
 
@@ -97,7 +82,8 @@ void emit_transpose(const struct emission *e, struct text *out)
 	if (!e->is_transposed)
 		return;
 	const struct dag *d = emit_arguments(e);
-	struct transposed t = emit_transposed(e);
+	const int *kept = emit_kept_rows(e);
+	struct transposed t = transposed_of(d, kept, e->options);
 	struct text tables, cases;
 	int number = 0;
 
@@ -105,7 +91,7 @@ void emit_transpose(const struct emission *e, struct text *out)
 	text_init(&cases, e->arena);
 	for (int i = 0; i < d->argument_count; i++)
 		if (d->arguments[i].is_output)
-			put_output(e, i, number++, &tables, &cases);
+			put_output(e, i, kept ? kept[i] : d->arguments[i].rows, number++, &tables, &cases);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", emit_main(e)->algorithm->name}, {"T", e->memory->type},
 		{"THREADS", emit_int(e, t.threads)}, {"BYTES", emit_int(e, t.bytes)}, {"TABLES", text_string(&tables)},
 		{"RESTRICT_PARAMS", emit_params(e, emit_main(e), PARAMS_CUDA_RESTRICT)}, {"CASES", text_string(&cases)}};

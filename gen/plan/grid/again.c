@@ -318,7 +318,7 @@ static int build(struct part *p, const struct dag *share, int joints, const char
 	else
 		p->function.dag = *share;
 	p->joints = joints;
-	return !p->function.dag.failed && part_plan(p, name, doc, x, a) && part_order(p, x, a);
+	return !p->function.dag.failed && part_plan(p, name, doc, x, a) && part_order(p, ORDERED_PART, x, a);
 }
 
 /* What a length costs, and values that wait. */

@@ -308,7 +308,7 @@ static int make_loops(struct part **parts, int *count, const struct parts_of *x,
 	if (!owner || !p || !share_begin(&share, x->raw, owner, spare))
 		return 0;
 	if (!part_build_share(p, &share, 0, 1, name, "The whole, with loops over limbs that are alike.", x, a) ||
-		(request_wants_derivative(x->request) && !part_order(p, x, a)) ||
+		(request_wants_derivative(x->request) && !part_order(p, ORDERED_PART, x, a)) ||
 		!apart_set_rows(p, stretches_make_whole, nv_of(x), x, a) || !each_make(p, x, a))
 		return 0;
 	*count = p->function.each && are_staged(p, 1, x->options) && are_written(p, 1) && loops_pay(p, x, spare);

@@ -33,7 +33,7 @@ int apart_build(struct part *p, struct share *share, int owner, int number, cons
 		return again_build(p, share, owner, name, doc, x, a);
 	if (!part_build_share(p, share, owner, owner + 1, name, doc, x, a))
 		return 0;
-	return (!x->request->is_forward && !request_wants_derivative(x->request)) || part_order(p, x, a);
+	return (!x->request->is_forward && !request_wants_derivative(x->request)) || part_order(p, ORDERED_PART, x, a);
 }
 
 /* In soa a product's rows stand in the places of inputs (tiles/tiles.h) where the order of lines allows it. */

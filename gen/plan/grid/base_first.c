@@ -73,9 +73,8 @@ static int make_base(struct part *p, struct share *s, const struct parts_of *x, 
 	const char *name = text_format(a, "%s_part0", x->whole->algorithm->name);
 
 	if (!part_build_share(p, s, FIRST, FIRST + 1, name, "Part 0 of it: the base's acceleration.", x, a) ||
-		!plan_order(&p->function, x->tree, x->request, x->options, ORDERED_BASE, a))
+		!part_order(p, ORDERED_BASE, x, a))
 		return 0;
-	p->alive = plan_alive(&p->function.plan, a);
 	p->is_before = 1;
 	return apart_set_rows(p, stretches_make, 0, x, a);
 }

@@ -164,9 +164,9 @@ int part_build_share(struct part *p, struct share *share, int first, int end, co
 	return is_built;
 }
 
-int part_order(struct part *p, const struct parts_of *x, struct arena *a)
+int part_order(struct part *p, enum plan_ordered what, const struct parts_of *x, struct arena *a)
 {
-	if (!plan_order(&p->function, x->tree, x->request, x->options, ORDERED_PART, a))
+	if (!plan_order(&p->function, x->tree, x->request, x->options, what, a))
 		return 0;
 	p->alive = plan_alive(&p->function.plan, a);
 	return !a->failed;

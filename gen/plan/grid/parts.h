@@ -65,7 +65,7 @@ int part_build_share(struct part *p, struct share *share, int first, int end, co
 
 /* Put the lines of one that shares nothing with others into an order in which fewer values wait (plan_order). Returns 0 when
    memory runs out. */
-int part_order(struct part *p, const struct parts_of *x, struct arena *a);
+int part_order(struct part *p, enum plan_ordered what, const struct parts_of *x, struct arena *a);
 
 /* What a part takes. */
 struct operation_count part_operations(const struct part *p);
