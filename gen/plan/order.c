@@ -2,7 +2,8 @@
    after all that it reads: nearly every value of the tour would wait for it. Here the rows of the last joints come
    first, each with what it takes and nothing else, and a line is written as soon as no more values wait after it than
    before. Or the bias comes before the row that takes it, and only then the factors of M: few values are left of the
-   bias, and many of the factors. What makes a base's acceleration alone goes joint after joint (grid/base_first.h). */
+   bias, and many of the factors. What makes a base's acceleration alone goes joint after joint (grid/base_first.h), and so
+   may a jvp: of what it makes of a joint on the way out little is left for the way back. */
 #include "plan/order.h"
 #include "plan/stage.h"
 
@@ -80,16 +81,13 @@ static struct waiting write_as(struct orderer *x, enum order_way way, size_t roo
 	return waiting_in(x, x->order, room);
 }
 
-/* By rows, with the bias first or not: leaves the lines in the order in which fewer values wait. */
-static struct waiting write_by_rows(struct orderer *x, int has_bias, size_t room)
+/* By rows or in another way: leaves the lines in the order in which fewer values wait. */
+static struct waiting write_less(struct orderer *x, enum order_way other, size_t room)
 {
-	struct waiting rows = write_as(x, ORDER_ROWS, room), bias;
+	struct waiting rows = write_as(x, ORDER_ROWS, room), w = write_as(x, other, room);
 
-	if (!has_bias)
-		return rows;
-	bias = write_as(x, ORDER_BIAS, room);
-	if (is_less(bias, rows))
-		return bias;
+	if (is_less(w, rows))
+		return w;
 	order_write(x, ORDER_ROWS);
 	return rows;
 }
@@ -188,6 +186,15 @@ static int is_acceleration(const struct request *k)
 	return k->is_forward && !request_wants_derivative(k) && !request_wants(k, WANT_MINV);
 }
 
+static struct waiting write_lines(struct orderer *x, const struct request *k, enum plan_ordered what, size_t room)
+{
+	if (what == ORDERED_BASE)
+		return write_as(x, ORDER_INPUTS, room);
+	if (is_acceleration(k))
+		return write_less(x, ORDER_BIAS, room);
+	return request_wants(k, WANT_JVP) ? write_less(x, ORDER_INPUTS, room) : write_as(x, ORDER_ROWS, room);
+}
+
 static int takes(struct waiting w, struct waiting own, size_t room, const struct request *k, enum plan_ordered what)
 {
 	if (what == ORDERED_LOOPS)
@@ -211,7 +218,7 @@ int plan_order(struct function *p, const struct tree *t, const struct request *k
 	done = order_begin(&x, &spare);
 	if (done) {
 		struct waiting own = waiting_in(&x, NULL, room);
-		struct waiting w = what == ORDERED_BASE ? write_as(&x, ORDER_INPUTS, room) : write_by_rows(&x, is_acceleration(k), room);
+		struct waiting w = write_lines(&x, k, what, room);
 
 		if (takes(w, own, room, k, what) && reads_first(&x, &spare))
 			done = takes_over(&x, p, a, &spare);

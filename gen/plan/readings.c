@@ -147,5 +147,7 @@ const struct tree_joint *readings_joint(const struct dag *d, const struct node *
 
 	if (a && a->role == ROLE_JOINT_POSITION)
 		return tree_joint_of_q(t, row);
-	return a && a->rows == t->nv && !a->per_batch ? tree_joint_of_row(t, row) : NULL;
+	if (!a || a->per_batch || !(a->rows == t->nv || (a->role == ROLE_VJP && a->rows == 3 * t->nv)))
+		return NULL;
+	return tree_joint_of_row(t, row % t->nv);
 }
