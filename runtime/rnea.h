@@ -226,7 +226,8 @@ struct rnea_function {
 	unsigned relay_room;    /* blocks of the third, along x and y, beyond which more along y gained nothing on an H100 */
 	size_t relay_bytes;
 	unsigned start_parts; /* blocks of the first along y: a grid without as many stops with an error (a trap); else 1 */
-	struct rnea_limbs start_limbs; /* of the kernel NAME_FUNCTION_start_limbs, which takes the place of the first */
+	struct rnea_limbs start_limbs; /* of the kernel NAME_FUNCTION_start_limbs, which takes the place of the first; without a relay
+					  it runs before NAME_FUNCTION_limbs, for as many samples */
 	/* In layout aos: the kernels write the outputs of transposed_samples samples at a time as [row][sample], and after all
 	   of them rnea_launch and rnea_run launch NAME_FUNCTION_transpose_kernel, which puts each in its place: a block for
 	   transposed_samples samples, with transposed_threads threads, and transposed_bytes of shared memory given; one block

@@ -170,6 +170,8 @@ static void vary_found(struct sweep *s, const struct ref *dtau)
 	sweep_forward(s, x, nv);
 	for (int i = 0; i < nv && !s->d->failed; i++)
 		x[i] = dag_sub(s->d, dtau[i], x[i]);
+	for (int i = 0; i < nv && s->b->handed == HANDED_ALL && !s->d->failed; i++)
+		x[i] = want_hand_on(s->b, i, x[i], "rhs");
 	forward_solve(s->b->forward, x);
 	memcpy(s->along[VARIED_QDD], x, (size_t)nv * sizeof *x);
 }

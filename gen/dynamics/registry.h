@@ -63,9 +63,13 @@ enum looped { LOOPED_SINGLE, LOOPED_LANES, LOOPED_BATCH, LOOPED_RELAY };
    are made of qdd read it back. Returns 0, and leaves the DAG empty, where that does not serve the request, or is no gain. */
 int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k, enum looped use);
 
-/* The DAG of a vjp of accelerations once more, the only output, without refinement: for kernels that go on from what the one
-   before has written. qdd and mu stand in rows of the vjp, each an output of its own before those that read it there. */
-void algorithm_build_handed(struct dag *d, const struct tree *t, const struct request *k);
+/* What stands in rows of the output, and is read back there: nothing; qdd, and mu of a vjp (product.c); of a jvp also what M^-1 is
+   to be taken of. */
+enum handed { HANDED_NOTHING, HANDED_FOUND, HANDED_ALL };
+
+/* The DAG of a product of accelerations once more, the only output, without refinement: for kernels that go on from what the one
+   before has written. What is handed on is an output of its own before those that read it there. */
+void algorithm_build_handed(struct dag *d, const struct tree *t, const struct request *k, enum handed handed);
 
 /* The same, with gradients of the torques in loops over the coordinates beyond each body: for long chains. */
 int algorithm_build_way_back(struct dag *d, const struct tree *t, const struct request *k, int is_batch);

@@ -293,14 +293,14 @@ static int is_made_again(const struct build *b)
 
 struct ref want_hand_on(const struct build *b, int row, struct ref value, const char *quantity)
 {
-	int argument = output_of(b, WANT_VJP);
+	int argument = b->outputs[0];
 	const struct tree_joint *j = tree_joint_of_row(b->t, row % b->t->nv);
 	struct ref read = value;
 
 	dag_output(b->d, argument, row, value);
-	if (b->is_handed)
+	if (b->handed)
 		read = dag_input(b->d, argument, row);
-	if (b->is_handed && j->nv == 1)
+	if (b->handed && j->nv == 1)
 		dag_tag(b->d, read, quantity, b->t->bodies[j->body].number, 0);
 	return read;
 }
@@ -312,7 +312,7 @@ static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x
 	forward_outputs(x, output_of(b, WANT_QDD), output_of(b, WANT_MINV));
 	for (int i = 0; i < b->t->nv && b->loops && b->loops->is_relay && !b->d->failed; i++)
 		x->qdd[i] = dag_input(b->d, output_of(b, WANT_QDD), i);
-	for (int i = 0; i < b->t->nv && b->is_handed && !b->d->failed; i++)
+	for (int i = 0; i < b->t->nv && b->handed && !b->d->failed; i++)
 		x->qdd[i] = want_hand_on(b, i, x->qdd[i], "qdd");
 	in->qdd = (struct source){.argument = DAG_HELD};
 	forward_bound(x, *in, output_of(b, WANT_QDD_BOUND));
@@ -350,7 +350,7 @@ static void run_outputs(struct build *b, struct joint_inputs in)
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways)
 {
 	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics,
-		.pivots_alone = ways.pivots_alone, .loops = ways.loops, .way = ways.way, .is_handed = ways.is_handed};
+		.pivots_alone = ways.pivots_alone, .loops = ways.loops, .way = ways.way, .handed = ways.handed};
 	struct joint_inputs in;
 	struct forward forward = {.b = &b, .torques = {.argument = -1}};
 

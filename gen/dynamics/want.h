@@ -4,6 +4,7 @@
 
 #include "dynamics/forward.h"
 #include "dynamics/recursion/recursion.h"
+#include "dynamics/registry.h"
 #include "dynamics/regressor.h"
 #include "dynamics/tour.h"
 #include "kinematics/kinematics.h"
@@ -24,7 +25,7 @@ struct build {
 	int pivots_alone;
 	const struct loops *loops; /* NULL: there are none */
 	struct way_back *way;      /* of the recursion's coordinates; NULL: no loops */
-	int is_handed;             /* what is found is handed on in rows of the vjp */
+	enum handed handed;        /* what is handed on in rows of the output */
 	struct recursion recursion;
 	int solved[BY_COUNT]; /* arguments: what is solved with the recursion's matrices; -1: nothing */
 	struct regressor regressor;
@@ -40,7 +41,7 @@ struct ways {
 	int pivots_alone; /* see forward_pivots */
 	const struct loops *loops; /* columns of derivatives of qdd are left as right sides, and solved in loops; NULL: none is */
 	struct way_back *way;
-	int is_handed; /* qdd and mu (product.c) stand in rows of the vjp, and all else reads them there */
+	enum handed handed; /* what stands in rows of the output, where all else reads it */
 };
 
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways);
@@ -73,8 +74,8 @@ void want_world(const struct tour *r);
 void want_entered(const struct tour *r, int body);
 void want_leaving(const struct tour *r, int body);
 
-/* Write a row of the vjp. What is made of the value: it, or where it is handed on, what is read back from there, which is called
-   by the quantity of the row's joint. */
+/* Write a row of the first output. What is made of the value: it, or where it is handed on, what is read back from there, which is
+   called by the quantity of the row's joint. */
 struct ref want_hand_on(const struct build *b, int row, struct ref value, const char *quantity);
 
 /* Products of derivatives, want by want: of the torques alone, or of the qdd found alone, when these are made; all others when

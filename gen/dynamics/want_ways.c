@@ -68,7 +68,7 @@ static int takes_factors(const struct request *k)
 	return k->is_forward || request_wants_any(k, IS_OPSPACE);
 }
 
-static void build_cheapest(struct dag *d, const struct tree *t, const struct request *k, int is_handed)
+static void build_cheapest(struct dag *d, const struct tree *t, const struct request *k, enum handed handed)
 {
 	int has_derivatives = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD) ||
 		request_wants(k, WANT_DQDD_DQ) ||
@@ -78,7 +78,7 @@ static void build_cheapest(struct dag *d, const struct tree *t, const struct req
 	struct ways now = {
 		.derivatives = k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
 		.dynamics = is_open || k->dynamics == DYNAMICS_FACTOR ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED,
-		.is_handed = is_handed}, other = now;
+		.handed = handed}, other = now;
 
 	want_build_in(d, t, k, now);
 	other.derivatives = DERIVATIVES_FORWARD;
@@ -109,7 +109,7 @@ void want_build(struct dag *d, const struct tree *t, const struct request *k)
 {
 	if (takes_factors(k) && singular_find(d, t, k))
 		return;
-	build_cheapest(d, t, k, 0);
+	build_cheapest(d, t, k, HANDED_NOTHING);
 	strike_unread(d, k);
 }
 
@@ -141,9 +141,9 @@ int algorithm_build_looped(struct dag *d, const struct tree *t, const struct req
 	return 1;
 }
 
-void algorithm_build_handed(struct dag *d, const struct tree *t, const struct request *k)
+void algorithm_build_handed(struct dag *d, const struct tree *t, const struct request *k, enum handed handed)
 {
-	build_cheapest(d, t, k, 1);
+	build_cheapest(d, t, k, handed);
 }
 
 /* Where elements of d tau stand: in its matrices, in those of d qdd, or in the columns that are to be solved. */

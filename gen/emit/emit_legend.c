@@ -1,5 +1,6 @@
 /* What the names in the statements mean: of each kind that this text uses, a line in its head. */
 #include "emit/emit.h"
+#include "emit/kernels/emit_parts.h"
 #include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/emit_kernel.h"
 #include "plan/grid/parts.h"
@@ -126,6 +127,7 @@ static void put_quantities(const struct emission *e, struct text *out)
 		{"v", "velocity of the origin"}, {"a", "acceleration of the origin, less gravity"},
 		{"f", "force: the link's own, then with its children's"}, {"n", "moment about the origin, as f"},
 		{"qdd", "acceleration of the link's joint, as it is found"},
+		{"rhs", "change of the torque of the link's joint along the tangents, while qdd stands still"},
 		{"mu", "M^-1 of the weights on the accelerations, by the link's joint"},
 		{"iD", "1/D: the inverse of the inertia that the joint feels"},
 		{"rx", "the link's x axis, in the world's axes; so ry and rz"},
@@ -194,15 +196,15 @@ static void put_parts(const struct emission *e, struct text *out)
 
 	if (emit_hands(e) && somewhere(e, is_left))
 		put_entry(d->arguments[parts_handed(d)].name, emit_finds_first(e) ? "what the kernel before has found of the row" :
-			"what a hand left in the row of the link's joint", out);
-	if (emit_finds_mu(e))
+			emit_is_halved(e) ? "what the kernel before has left in the row" : "what a hand left in the row of the link's joint", out);
+	if (has_part(e, emit_takes_found))
 		put_entry("handed found mu step", "where qdd and mu stand in the vjp, or in slices; from a row to the next", out);
-	else if (emit_finds_base(e))
+	else if (emit_finds_first(e))
 		put_entry("handed step", "where what was found stands; from a row to the next", out);
 	else if (emit_hands(e))
 		put_entry("handed gap step",
 			"what hands left in the last array; rows that a part's slice lacks; from a row of handed to the next", out);
-	if ((!emit_hands(e) || emit_finds_base(e)) && has_part(e, has_gap))
+	if ((!emit_hands(e) || emit_finds_first(e)) && has_part(e, has_gap))
 		put_entry("gap", "rows that a part's tiles lack", out);
 	if (has_part(e, tiles_are_inputs))
 		put_entry("inner", "from one row of an input to the next, which may be in a tile", out);

@@ -25,7 +25,7 @@ struct stretches {
 	int has_inputs_alone; /* what is written goes to the arrays themselves */
 	unsigned periods; /* those of the vjp that are written, by bits */
 	int takes_found;  /* qdd and mu, which are read from rows of the vjp, stand in the places of its weights and of its third period
-			     (grid/found.h) */
+			     (grid/found/found.h) */
 	struct stretch found; /* rows of both */
 	struct stretch own[DAG_ARGUMENTS][STRETCHES];   /* of each array, or of each period; what nothing is read of has one row,
 	                                                  where there are inputs alone none */

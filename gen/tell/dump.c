@@ -1,4 +1,5 @@
 #include "tell/dump.h"
+#include "plan/grid/found/found_limbs.h"
 #include "plan/limbs/limbs.h"
 #include "plan/segments.h"
 
@@ -60,7 +61,9 @@ void dump_limbs(const struct dumped *d, struct text *out)
 
 	for (int i = 0; i < d->part_count && in_parts; i++)
 		limbs_dump(&d->parts[i].function, out);
-	if (!in_parts)
+	for (int i = 0; i < FOUND_STAGES && d->stages; i++)
+		limbs_dump(&d->stages[i].function, out);
+	if (!in_parts && !d->stages)
 		limbs_dump(d->functions, out);
 	if (d->relay)
 		limbs_dump(&d->relay->start.function, out);

@@ -29,7 +29,8 @@
 	                                          NAME_FUNCTION_solve_kernel, in blocks of so many samples, 32 where no number
 	                                          stands, and threads for each, with shared memory given by launches; blocks beyond
 	                                          which more along y gain nothing)
-	start_limbs WARPS GROUPS BYTES SAMPLES    (as whole_limbs, of NAME_FUNCTION_start_limbs, which takes the first one's place)
+	start_limbs WARPS GROUPS BYTES SAMPLES    (as whole_limbs, of NAME_FUNCTION_start_limbs, which takes the first one's place;
+	                                          where there is no relay it runs before NAME_FUNCTION_limbs, for as many samples)
 	start_parts N                             (blocks of the relay's first kernel along y, 2 and more, where it has such)
 	transpose SAMPLES THREADS BYTES           (outputs are written as [row][sample] of so many samples at a time; after all
 	                                          other kernels a launch runs NAME_FUNCTION_transpose_kernel, a block for these
@@ -55,7 +56,7 @@
    knows nothing of parts would launch a text of parts and leave the rest unwritten. Version 3 has no `relay`,
    version 4 has it in its first function. Version 5 has `hands` there, version 6
    `start_parts`, version 7 more than one number of `hands`, version 9 SAMPLES of `relay`, version 10
-   `transpose`. A key that is not listed is passed over: what would change the meaning of the rest gets a new version. */
+   `transpose`, version 11 `start_limbs` without a relay. A key that is not listed is passed over: what would change the meaning of the rest gets a new version. */
 
 #include "core/failure.h"
 

@@ -20,8 +20,12 @@ static enum rnea_code launch_own(const struct driver *c, size_t function, void *
 	unsigned blocks = device_blocks(count, samples_of_block(f, c->block, count));
 	struct tile_map maps[RNEA_TILE_LIMIT];
 
-	if (function == 0 && count <= c->limbs.own.info.most)
+	if (function == 0 && count <= c->limbs.own.info.most) {
+		if (!c->relay.threads && c->limbs.start.info.warps &&
+			limbs_launch(&c->limbs.start, &c->device, parameters, count, stream, e))
+			return e->code;
 		return limbs_launch(&c->limbs.own, &c->device, parameters, count, stream, e);
+	}
 	parameters[f->input_count + f->output_count + 1] = maps;
 	if (function == 0 && alone_serve(&c->alone, &c->device, arrays, count, maps))
 		return alone_launch(&c->alone, &c->device, parameters, count, stream, e);

@@ -5,6 +5,7 @@
 #include "emit/kernels/emit_tiles.h"
 #include "emit/kernels/emit_transpose.h"
 #include "emit/emit.h"
+#include <string.h>
 
 static void put_relay(const struct emission *e, struct text *out)
 {
@@ -33,15 +34,45 @@ static void put_hands(const struct emission *e, struct text *out)
 			emit_hands_kernel(e, level), emit_hands_of(e, level));
 }
 
-/* qdd and mu, which the kernel reads from rows of the vjp. */
+/* Halves of the limbs of a base. */
+static void put_halves(const struct emission *e, struct text *out)
+{
+	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
+
+	text_printf(out, " * %s_%s_launch runs two kernels. %s_%s_hands_kernel makes %s,\n"
+		" * left in rows that %s_%s_kernel reads, before it writes these and all others.\n", name, function, name, function,
+		e->parts->what, name, function);
+}
+
+/* What a kernel's parts make, each thing once. */
+static void put_whats(const struct part *parts, int count, struct text *out)
+{
+	for (int i = 0; i < count; i++)
+		if (!i || strcmp(parts[i].what, parts[i - 1].what) != 0)
+			text_printf(out, "%s%s", i ? "; " : "", parts[i].what);
+	text_putc(out, '\n');
+}
+
+/* Kernels that read what those before have found. */
 static void put_found(const struct emission *e, struct text *out)
 {
 	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
-	int parts = emit_hands_of(e, 0);
+	int levels = emit_hand_levels(e), first = 0;
 
-	text_printf(out, " * %s_%s_launch runs two kernels. %s_%s_hands_kernel%s finds qdd and the rows of the vjp by tau;\n"
-		" * qdd stands in the rows by q until %s_%s_kernel has read it, and writes all other rows.\n",
-		name, function, name, function, parts > 1 ? text_format(e->arena, ", with %d blocks along y,", parts) : "", name, function);
+	text_printf(out, " * %s_%s_launch runs %d kernels, one after the other. In rows of the output each leaves for those after it:\n", name,
+		function, levels + 1);
+	for (int level = 0; level < levels; level++) {
+		int count = emit_hands_of(e, level);
+
+		text_printf(out, " *   %s_%s_%s", name, function, emit_hands_kernel(e, level));
+		if (count > 1)
+			text_printf(out, ", with %d blocks along y", count);
+		text_put(out, ": ");
+		put_whats(e->parts + first, count, out);
+		first += count;
+	}
+	text_printf(out, " *   %s_%s_kernel: ", name, function);
+	put_whats(e->parts + first, e->part_count - first, out);
 }
 
 /* Rows of the base, which the kernel reads from qdd. */
@@ -59,6 +90,15 @@ static void put_limbs(const struct emission *e, const char *start, const struct 
 
 	text_printf(out, " * Up to %u samples %s_%s_launch takes the kernel %s_%s_%slimbs, whose %d warps share out each sample.\n",
 		s->most, name, function, name, function, start, s->warps);
+}
+
+static void put_stages(const struct emission *e, struct text *out)
+{
+	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
+
+	text_printf(out, " * Up to %u samples %s_%s_launch takes two other kernels, %s_%s_start_limbs and then\n"
+		" * %s_%s_limbs, of which %d and %d warps share out each sample.\n", emit_limbs_of(e)->most, name, function, name, function,
+		name, function, emit_start_limbs(e)->warps, emit_limbs_of(e)->warps);
 }
 
 static void put_loops(const struct emission *e, struct text *out)
@@ -79,6 +119,8 @@ void emit_kernels_head(const struct emission *e, struct text *out)
 		put_relay(e, out);
 	if (emit_finds_mu(e))
 		put_found(e, out);
+	else if (emit_is_halved(e))
+		put_halves(e, out);
 	else if (emit_finds_base(e))
 		put_base(e, out);
 	else if (emit_hands(e))
@@ -99,8 +141,10 @@ void emit_kernels_head(const struct emission *e, struct text *out)
 			emit_main(e)->algorithm->name, emit_joints_again(e));
 	if (emit_loops(e))
 		put_loops(e, out);
-	if (emit_has_limbs(e))
+	if (e->stages)
+		put_stages(e, out);
+	if (emit_has_limbs(e) && !e->stages)
 		put_limbs(e, "", emit_limbs_of(e), out);
-	if (emit_start_limbs(e))
+	if (emit_start_limbs(e) && !e->stages)
 		put_limbs(e, "start_", emit_start_limbs(e), out);
 }

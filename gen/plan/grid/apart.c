@@ -2,7 +2,7 @@
 #include "plan/grid/apart.h"
 #include "plan/grid/again.h"
 #include "plan/grid/base_first.h"
-#include "plan/grid/found.h"
+#include "plan/grid/found/found.h"
 #include "plan/grid/hands/hands.h"
 #include "plan/grid/joined.h"
 #include "plan/grid/places.h"
@@ -55,6 +55,12 @@ int parts_is_by_row(const struct argument *a, int nv)
 	return nv > 0 && a->role == ROLE_VJP && a->rows == 3 * nv;
 }
 
+/* Of a jvp of accelerations alone, whose rows kernels hand on (found.h). */
+static int is_by_row(const struct argument *a, const struct parts_of *x)
+{
+	return parts_is_by_row(a, x->tree->nv) || (x->request->is_forward && a->role == ROLE_JVP && a->rows == x->tree->nv);
+}
+
 static int is_staged_soa(const struct rneagen_options *o)
 {
 	return o->layout == RNEAGEN_SOA && o->precision != RNEAGEN_F32;
@@ -90,7 +96,7 @@ static int may_be_apart(const struct parts_of *x)
 		o->precision == RNEAGEN_F32X2)
 		return 0;
 	for (size_t i = 0; i < d->output_count; i++)
-		if (!parts_is_by_row(&d->arguments[d->outputs[i].argument], x->tree->nv))
+		if (!is_by_row(&d->arguments[d->outputs[i].argument], x))
 			return 0;
 	for (int i = 0; i < d->argument_count; i++)
 		if (o->strict && d->arguments[i].per_batch)
@@ -172,20 +178,24 @@ static int make_part(struct part *p, struct share *share, int owner, int number,
 	return apart_build(p, share, owner, number, what, x, a) && apart_set_rows(p, stretches_make, nv_of(x), x, a) && !a->failed;
 }
 
-static int make_hands(struct part *parts, const struct hands *h, const struct parts_of *x, struct arena *spare, struct arena *a)
+int apart_make_hands(struct part *parts, int number, const struct hands *h, const struct parts_of *x, struct arena *spare,
+	struct arena *a)
 {
 	struct share share;
 	int level = -1;
 
 	for (int i = 0; i < h->count; i++) {
 		const struct hand_level *l = &h->levels[h->list[i].level];
-		const char *what = text_format(a, "what link %d carries, and the force of all that on it",
-			x->tree->bodies[h->list[i].body].number);
+		const struct body *bodies = x->tree->bodies;
+		const char *what = h->is_base
+			? text_format(a, "links %d to %d, and what the base takes of them", bodies[h->list[i].first].number,
+				  bodies[h->list[i].last].number)
+			: text_format(a, "what link %d carries, and the force of all that on it", bodies[h->list[i].body].number);
 
 		if (h->list[i].level != level && !share_begin(&share, &l->first, l->owner, spare))
 			return 0;
 		level = h->list[i].level;
-		if (!make_part(&parts[i], &share, i, i, what, x, a))
+		if (!make_part(&parts[i], &share, i, number + i, what, x, a))
 			return 0;
 		parts[i].is_before = 1;
 		parts[i].level = level;
@@ -195,7 +205,7 @@ static int make_hands(struct part *parts, const struct hands *h, const struct pa
 	return 1;
 }
 
-int apart_make_limbs(struct part *parts, int first, int count, const struct dag *d, const int *owner, const char *what,
+int apart_make_limbs(struct part *parts, int number, int count, const struct dag *d, const int *owner, const char *what,
 	const struct parts_of *x, struct arena *spare, struct arena *a)
 {
 	struct share share;
@@ -203,7 +213,7 @@ int apart_make_limbs(struct part *parts, int first, int count, const struct dag 
 	if (!share_begin(&share, d, owner, spare))
 		return 0;
 	for (int i = 0; i < count; i++)
-		if (!make_part(&parts[first + i], &share, i, first + i, what, x, a))
+		if (!make_part(&parts[i], &share, i, number + i, what, x, a))
 			return 0;
 	return 1;
 }
@@ -231,8 +241,8 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 		return limbs;
 	what = limbs + h->count > 1 ? "limbs that share nothing with the others" : "the whole, where some of the motion is made again";
 	*parts = arena_alloc(a, (size_t)(limbs + h->count), sizeof **parts);
-	if (!*parts || !make_hands(*parts, h, x, spare, a) ||
-		!apart_make_limbs(*parts, h->count, limbs, d, owner, what, x, spare, a))
+	if (!*parts || !apart_make_hands(*parts, 0, h, x, spare, a) ||
+		!apart_make_limbs(*parts + h->count, h->count, limbs, d, owner, what, x, spare, a))
 		return 0;
 	if (!find_places(&can, *parts, limbs + h->count, x, spare))
 		return 0;
@@ -242,16 +252,16 @@ static int make_all(struct part **parts, int *count, const struct hands *h, cons
 
 /* Each part takes at most half of the whole's operations, or two thirds where the whole spills much or motion is made again. It
    writes every row that it stages, and reads what others have left before that is written over. */
-static int do_serve(const struct part *parts, int count, int is_full, const struct parts_of *x, struct arena *a)
+static int do_serve(const struct part *parts, int count, const struct hands *h, const struct parts_of *x, struct arena *a)
 {
-	unsigned whole = operations_of(x), most = is_full || again_serves(x) ? whole / 3 * 2 : whole / 2;
+	unsigned whole = operations_of(x), most = h->is_base ? whole : h->is_full || again_serves(x) ? whole / 3 * 2 : whole / 2;
 
 	if (are_staged(parts, count, x->options) && !are_written(parts, count))
 		return 0;
 	for (const struct part *p = parts; p < parts + count; p++)
 		if (plan_flops(plan_operations(&p->function.plan)) > most)
 			return 0;
-	return turns_serve(parts, count, x->raw->arguments[parts_handed(x->raw)].rows, a);
+	return turns_serve(parts, count, x->raw->arguments[parts_handed(x->raw)].rows, 1, a);
 }
 
 /* Alike limbs in loops, in aos: operations of the whole beyond which there are such; with a vjp in f32, values at once in the
@@ -323,7 +333,7 @@ static int make_parts(struct part **parts, int *count, const struct parts_of *x,
 		return 0;
 	if (hands.count && !make_all(parts, count, &hands, x, spare, a))
 		return 0;
-	if (*count && do_serve(*parts, *count, hands.is_full, x, spare))
+	if (*count && do_serve(*parts, *count, &hands, x, spare))
 		return 1;
 	*count = 0;
 	return make_all(parts, count, &none, x, spare, a);

@@ -7,7 +7,7 @@
    inputs stood (places.h). Where none of that serves, by two kernels, of which the first finds what the second reads (found.h,
    base_first.h). */
 
-#include "plan/grid/parts.h"
+#include "plan/grid/hands/hands.h"
 
 /* *count is 0 where that does not serve: there is one limb without hands, or the text is short. Returns 0 when
    memory runs out. */
@@ -24,8 +24,12 @@ int apart_build(struct part *p, struct share *share, int owner, int number, cons
 	struct arena *a);
 int apart_set_rows(struct part *p, make_stretches *make, int nv, const struct parts_of *x, struct arena *a);
 
-/* Such parts of a DAG, by the owners of its outputs, from parts[first] on. Returns 0 when memory runs out. */
-int apart_make_limbs(struct part *parts, int first, int count, const struct dag *d, const int *owner, const char *what,
+/* Parts of hands, whose levels are theirs, numbered from `number` on. Returns 0 when memory runs out. */
+int apart_make_hands(struct part *parts, int number, const struct hands *h, const struct parts_of *x, struct arena *spare,
+	struct arena *a);
+
+/* Such parts of a DAG, by the owners of its outputs, numbered from `number` on. Returns 0 when memory runs out. */
+int apart_make_limbs(struct part *parts, int number, int count, const struct dag *d, const int *owner, const char *what,
 	const struct parts_of *x, struct arena *spare, struct arena *a);
 
 #endif

@@ -29,6 +29,7 @@ int apart_build(struct part *p, struct share *share, int owner, int number, cons
 	const char *name = text_format(a, "%s_part%d", x->whole->algorithm->name, number);
 	const char *doc = text_format(a, "Part %d of it: %s.", number, what);
 
+	p->what = what;
 	if (again_serves(x))
 		return again_build(p, share, owner, name, doc, x, a);
 	if (!part_build_share(p, share, owner, owner + 1, name, doc, x, a))

@@ -15,10 +15,17 @@ static const double LEFT = 0.7;
 
 enum { FIRST, SECOND };
 
-/* Does everything hang on a free base, which has the first rows? */
-static int has_free_base(const struct tree *t)
+/* Rows of a base that moves freely: the first ones. */
+enum { BASE_ROWS = 6 };
+
+int base_is_free(const struct tree *t)
 {
 	return t->body_count > 1 && t->bodies[0].type == JOINT_FLOATING && t->bodies[0].iv == 0 && tree_end(t, 0) == t->body_count;
+}
+
+int base_first_serves(const struct parts_of *x)
+{
+	return x->options->precision == RNEAGEN_F64 && base_is_free(x->tree);
 }
 
 static int is_served(const struct parts_of *x)
@@ -27,17 +34,16 @@ static int is_served(const struct parts_of *x)
 
 	if (!x->has_kernels || !x->is_unpruned || x->is_relayed || x->options->strict || k->refine_steps)
 		return 0;
-	return x->options->precision == RNEAGEN_F64 && k->is_forward && k->stored_count == 1 && k->wants[0].kind == WANT_QDD &&
-		has_free_base(x->tree);
+	return k->is_forward && k->stored_count == 1 && k->wants[0].kind == WANT_QDD && base_first_serves(x);
 }
 
-/* By output, the kernel that stores it. */
-static int *kernels_of(const struct dag *d, int base_rows, struct arena *a)
+/* By output, the kernel that stores it: where mu is found too (found.h), it has rows of its own. */
+static int *kernels_of(const struct dag *d, const struct tree *t, struct arena *a)
 {
 	int *kernel = arena_alloc(a, d->output_count + 1, sizeof *kernel);
 
 	for (size_t i = 0; i < d->output_count && kernel; i++)
-		kernel[i] = d->outputs[i].row < base_rows ? FIRST : SECOND;
+		kernel[i] = d->outputs[i].row % t->nv < BASE_ROWS ? FIRST : SECOND;
 	return kernel;
 }
 
@@ -56,9 +62,9 @@ static void read_base(struct dag *copy, const struct share *s, const int *kernel
 }
 
 /* The shares of both kernels, and the DAG of the second, which reads what the first one makes. */
-static int divide(struct share *s, struct dag *limbs, const struct dag *d, int base_rows, struct arena *spare)
+static int divide(struct share *s, struct dag *limbs, const struct dag *d, const struct tree *t, struct arena *spare)
 {
-	const int *kernel = kernels_of(d, base_rows, spare);
+	const int *kernel = kernels_of(d, t, spare);
 
 	if (!kernel || !share_begin(s, d, kernel, spare))
 		return 0;
@@ -68,36 +74,45 @@ static int divide(struct share *s, struct dag *limbs, const struct dag *d, int b
 	return !limbs->failed;
 }
 
-static int make_base(struct part *p, struct share *s, const struct parts_of *x, struct arena *a)
+static int make_base(struct part *p, struct share *s, int number, const char *of, const struct parts_of *x, struct arena *a)
 {
-	const char *name = text_format(a, "%s_part0", x->whole->algorithm->name);
+	const char *name = text_format(a, "%s_part%d", x->whole->algorithm->name, number);
+	const char *doc = text_format(a, "Part %d of it: the base's rows of %s.", number, of);
 
-	if (!part_build_share(p, s, FIRST, FIRST + 1, name, "Part 0 of it: the base's acceleration.", x, a) ||
-		!part_order(p, ORDERED_BASE, x, a))
+	p->what = text_format(a, "the base's rows of %s", of);
+	if (!part_build_share(p, s, FIRST, FIRST + 1, name, doc, x, a) || !part_order(p, ORDERED_BASE, x, a))
 		return 0;
 	p->is_before = 1;
 	return apart_set_rows(p, stretches_make, 0, x, a);
 }
 
-int base_first_make(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)
+int base_first_divide(struct part *parts, int *count, int number, const struct dag *d, const char *of, int whole,
+	const struct parts_of *x, struct arena *spare, struct arena *a)
 {
-	static const char WHAT[] = "limbs, where the base's acceleration is found";
-	const int base_rows = joint_nv(JOINT_FLOATING), whole = is_served(x) ? plan_alive(&x->whole->plan, spare) : 0;
+	static const char WHAT[] = "limbs, where those are found";
+	int *owner, limb_parts; /* by output of the limbs: its part; parts */
 	struct share s;
 	struct dag limbs;
-	int *owner, limb_parts; /* by output of the limbs: its part; parts */
 
 	if (whole <= FULL)
-		return !spare->failed;
-	owner = arena_alloc(spare, x->raw->output_count + 1, sizeof *owner);
-	if (!owner || !divide(&s, &limbs, x->raw, base_rows, spare))
+		return 1;
+	owner = arena_alloc(spare, d->output_count + 1, sizeof *owner);
+	if (!owner || !divide(&s, &limbs, d, x->tree, spare))
 		return 0;
-	limb_parts = joined_own_beyond(owner, &limbs, x->tree, base_rows, spare);
-	*parts = limb_parts ? arena_alloc(a, 1 + (size_t)limb_parts, sizeof **parts) : NULL;
-	if (!*parts || !make_base(*parts, &s, x, a) || !apart_make_limbs(*parts, 1, limb_parts, &limbs, owner, WHAT, x, spare, a))
+	limb_parts = joined_own_beyond(owner, &limbs, x->tree, BASE_ROWS, spare);
+	if (!limb_parts || !make_base(parts, &s, number, of, x, a) ||
+		!apart_make_limbs(parts + 1, number + 1, limb_parts, &limbs, owner, WHAT, x, spare, a))
 		return 0;
-	*count = parts_alive(*parts, 1 + limb_parts) <= LEFT * whole ? 1 + limb_parts : 0;
+	*count = parts_alive(parts, 1 + limb_parts) <= LEFT * whole ? 1 + limb_parts : 0;
 	return !spare->failed;
+}
+
+int base_first_make(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)
+{
+	if (!is_served(x))
+		return 1;
+	*parts = arena_alloc(a, (size_t)x->tree->nv + 1, sizeof **parts);
+	return *parts && base_first_divide(*parts, count, 0, x->raw, "qdd", plan_alive(&x->whole->plan, spare), x, spare, a);
 }
 
 int base_first_is(const struct part *parts, int count, const struct request *k)

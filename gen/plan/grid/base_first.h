@@ -7,9 +7,18 @@
 
 #include "plan/grid/parts.h"
 
+/* Does everything hang on a base that moves freely and has the first rows? */
+int base_is_free(const struct tree *t);
+
 /* *count is 0 where that does not serve: another request, one that holds little at once, or parts that hold nearly as much.
    Returns 0 when memory runs out. */
 int base_first_make(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a);
+
+/* The same of the accelerations of a DAG, `whole` of whose values are alive at once, where that serves precision and tree; `of` is
+   said of them. Parts are numbered from `number` on, and there is room for 1 + nv. */
+int base_first_serves(const struct parts_of *x);
+int base_first_divide(struct part *parts, int *count, int number, const struct dag *d, const char *of, int whole,
+	const struct parts_of *x, struct arena *spare, struct arena *a);
 
 /* Are these such kernels? */
 int base_first_is(const struct part *parts, int count, const struct request *k);

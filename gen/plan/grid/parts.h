@@ -14,6 +14,7 @@ struct part {
 	int alive;       /* values at once: plan_alive */
 	int is_before;   /* it is of a kernel before the main one */
 	int level;       /* of which of these */
+	const char *what; /* it makes; of a part that shares nothing with others, and of the base's (base_first.h) */
 	int joints;      /* motion is made again, in stretches of so many joints (again.h); 0: it is kept */
 	struct algorithm algorithm;
 	struct function function;

@@ -7,8 +7,9 @@
    of 9.7, and two warps are slower. With sines made first, one sample by four warps and eight: qdd of atlas 3.8 and 5.4, in
    f64 10.3 and 9.0, tau of g1_brainco 4.4 and 6.4, in f64 11.4 and 8.9, with the vjp of jvrc1 9.4 and 8.5, in f64 15.2 and 9.6.
    Arms gain nothing: iiwa14 1.42 and 1.50. Functions of more operations were not measured: it takes seconds to share them out,
-   and more values than there are registers wait in each warp. */
-enum { LEAST_OPERATIONS = 800, MOST_OPERATIONS = 10000, WARPS = 4, FEWER_WARPS = 3, FEWER_PERCENT = 90,
+   and more values than there are registers wait in each warp. Of one function alone, H200, one sample and 256: tau and vjp of
+   floating jvrc1, 10048 operations, 23 and 10, 23 and 13, in f64 36 and 15, 38 and 20. */
+enum { LEAST_OPERATIONS = 800, MOST_OPERATIONS = 10000, MOST_ALONE = 14000, WARPS = 4, FEWER_WARPS = 3, FEWER_PERCENT = 90,
 	MORE_WARPS = 8 };
 
 /* More warps are more code, since several make the same values; and what one multiprocessor has no room for is fetched each time,
@@ -96,6 +97,10 @@ enum { MOST_BESIDE_AGAIN = 2048 };
 /* At least so many samples, beside the two kernels of base_first.h. H200, us by limbs and by two kernels, of 4096 samples and of
    8192: floating atlas 22 and 42, 25 and 47, g1_29dof 31 and 45, 42 and 51, in aos 32 and 45, 64 and 51. */
 enum { MOST_BESIDE_BASE = 4096 };
+
+/* Beside halves of the limbs of a base (grid/hands/base_limbs.c). H200, tau and vjp, us by limbs and by halves: f64, 1024, 4096 and
+   8192 samples, floating atlas 13 28, 22 32, 42 and less than 54; f32, 256 and 1024, floating jvrc1 13 18, and less than 20. */
+enum { MOST_BESIDE_HALVES_F64 = 4096, MOST_BESIDE_HALVES = 1024 };
 
 /* Outputs that go through windows have no limbs, whose warps would write elements that stand a sample apart (64 to 4096 samples,
    both gradients of hyq, whole matrices: 21 us, through windows 8.6). */
@@ -268,6 +273,7 @@ static void set_launch(struct function *const *functions, int count, const struc
 
 static int can_have(struct function *const *functions, int count, const struct rneagen_options *o)
 {
+	unsigned most = count == 1 ? MOST_ALONE : MOST_OPERATIONS;
 	int is_free = o->limbs == RNEAGEN_LIMBS_AUTO;
 
 	if (o->limbs == RNEAGEN_LIMBS_NONE || o->precision == RNEAGEN_F32X2 || functions[0]->windows.slots)
@@ -275,7 +281,7 @@ static int can_have(struct function *const *functions, int count, const struct r
 	for (int i = 0; i < count; i++) {
 		unsigned operations = plan_flops(plan_operations(&functions[i]->plan));
 
-		if (dag_has_wide(&functions[i]->dag) || (is_free && (operations < LEAST_OPERATIONS || operations > MOST_OPERATIONS)))
+		if (dag_has_wide(&functions[i]->dag) || (is_free && (operations < LEAST_OPERATIONS || operations > most)))
 			return 0;
 	}
 	return 1;
@@ -350,4 +356,9 @@ void limbs_beside_base(struct limbs *s)
 {
 	if (s->most < MOST_BESIDE_BASE)
 		s->most = MOST_BESIDE_BASE;
+}
+
+void limbs_beside_halves(struct limbs *s, const struct rneagen_options *o)
+{
+	s->most = number_bytes(o) == 8 ? MOST_BESIDE_HALVES_F64 : MOST_BESIDE_HALVES;
 }

@@ -1,8 +1,10 @@
-#include "plan/grid/found.h"
+#include "plan/grid/found/found.h"
 #include "plan/grid/apart.h"
+#include "plan/grid/base_first.h"
 #include "plan/grid/hands/turns.h"
 #include "plan/grid/joined.h"
 #include "plan/grid/places.h"
+#include <string.h>
 
 /* Values at once of the whole, beyond which there are two kernels. H200, ps for each of a million samples, one kernel and two, in
    brackets values of the whole: f32: panda 96 and 134 (187), baxter 271 and 328 (234), floating panda 185 and 241 (302), floating
@@ -15,15 +17,39 @@ enum { FULL_SINGLE = 450, FULL_DOUBLE = 210 };
    operations are. */
 enum { LONG = 8200 };
 
-enum { FIRST, SECOND, KERNELS };
+/* What is made one after the other: of a vjp qdd and mu, then the rest; of a jvp qdd, then what tau changes by while qdd stands
+   still, then M^-1 of that. */
+enum { MOST_STAGES = 3 };
 
-/* One of the two. */
-struct kernel {
-	struct dag dag;
-	struct request request; /* accelerations; the vjp of torques */
-	struct parts_of of;
-	int *owner, count; /* by output: its part; parts */
+struct stage {
+	const char *what;
+	int is_forward; /* accelerations; else torques with their product */
 };
+
+static const struct stage OF_VJP[] = {{"qdd, and M^-1 of the weights", 1}, {"the rest, where both are found", 0}},
+	OF_JVP[MOST_STAGES] = {{"qdd", 1}, {"what tau changes by where qdd stands still", 0}, {"M^-1 of that", 1}};
+
+/* One of them on its way to parts. */
+struct made {
+	struct request request;
+	struct want qdd;
+	struct parts_of of;
+};
+
+/* All parts so far, of kernels one after the other. */
+struct chain {
+	const struct stage *stages;
+	int stage_count;
+	struct dag dags[MOST_STAGES];
+	struct made made[MOST_STAGES];
+	struct part *parts;
+	int count, level;
+};
+
+static enum want_kind product_of(const struct parts_of *x)
+{
+	return x->request->wants[0].kind;
+}
 
 /* In aos mu takes the place of the third array, which must be tau: it is not where a scene gives all of tau, or of qd. */
 static int has_places(const struct parts_of *x)
@@ -37,11 +63,13 @@ static int is_served(const struct parts_of *x)
 	const struct rneagen_options *o = x->options;
 	const struct request *k = x->request;
 
-	if (!x->has_kernels || !x->is_unpruned || !has_places(x) || o->strict || k->refine_steps)
+	if (!x->has_kernels || !x->is_unpruned || o->strict || k->refine_steps || !k->is_forward || k->stored_count != 1)
 		return 0;
 	if (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64)
 		return 0;
-	return k->is_forward && k->stored_count == 1 && k->wants[0].kind == WANT_VJP && request_is_plain_product(k, &k->vjp);
+	if (product_of(x) == WANT_VJP)
+		return request_is_plain_product(k, &k->vjp) && has_places(x);
+	return product_of(x) == WANT_JVP && request_is_plain_product(k, &k->jvp) && o->layout == RNEAGEN_SOA;
 }
 
 static int is_full(const struct parts_of *x, struct arena *a)
@@ -49,14 +77,80 @@ static int is_full(const struct parts_of *x, struct arena *a)
 	return plan_alive(&x->whole->plan, a) > (x->options->precision == RNEAGEN_F32 ? FULL_SINGLE : FULL_DOUBLE);
 }
 
-/* By output, the kernel that stores it. The first nv outputs are qdd, rows from 2 nv on are mu: both are the first kernel's. */
-static int *kernels_of(const struct dag *d, int nv, struct arena *a)
+/* By output, the stage that stores it. The first nv are qdd; of a vjp rows from 2 nv on are mu, of a jvp the next nv are the second
+   stage's. */
+static int *stages_of(const struct dag *d, const struct parts_of *x, struct arena *a)
 {
-	int *kernel = arena_alloc(a, d->output_count + 1, sizeof *kernel);
+	int nv = x->tree->nv, *stage = arena_alloc(a, d->output_count + 1, sizeof *stage);
 
-	for (size_t i = 0; i < d->output_count && kernel; i++)
-		kernel[i] = i < (size_t)nv || d->outputs[i].row >= 2 * nv ? FIRST : SECOND;
-	return kernel;
+	for (int i = 0; i < (int)d->output_count && stage; i++)
+		stage[i] = product_of(x) == WANT_JVP ? i / nv : i >= nv && d->outputs[i].row < 2 * nv;
+	return stage;
+}
+
+int found_stages(struct dag *dags, int count, const struct parts_of *x, enum handed handed, struct arena *a)
+{
+	struct dag raw;
+	struct share share;
+	const int *stage;
+
+	dag_init(&raw, a);
+	algorithm_build_handed(&raw, x->tree, x->request, handed);
+	stage = raw.failed ? NULL : stages_of(&raw, x, a);
+	if (!stage || !share_begin(&share, &raw, stage, a))
+		return 0;
+	for (int i = 0; i < count; i++) {
+		share_copy(&share, i, i + 1, &dags[i], a);
+		if (dags[i].failed)
+			return 0;
+	}
+	return 1;
+}
+
+/* Rows of a jvp hold first the one, then the other. */
+static void rename_found(struct dag *d)
+{
+	static const char QUANTITY[sizeof d->nodes->tag.quantity] = "rhs";
+
+	for (size_t i = 0; i < d->count; i++)
+		if (d->nodes[i].op == OP_INPUT && strcmp(d->nodes[i].tag.quantity, "qdd") == 0)
+			memcpy(d->nodes[i].tag.quantity, QUANTITY, sizeof QUANTITY);
+}
+
+static int begin(struct chain *c, const struct parts_of *x, struct arena *spare, struct arena *a)
+{
+	int is_jvp = product_of(x) == WANT_JVP;
+
+	c->stages = is_jvp ? OF_JVP : OF_VJP;
+	c->stage_count = is_jvp ? 3 : 2;
+	c->parts = arena_alloc(a, (size_t)c->stage_count * ((size_t)x->tree->nv + 1), sizeof *c->parts);
+	if (!c->parts || !found_stages(c->dags, c->stage_count, x, HANDED_ALL, spare))
+		return 0;
+	if (is_jvp)
+		rename_found(&c->dags[2]);
+	for (int i = 0; i < c->stage_count; i++) {
+		struct made *m = &c->made[i];
+
+		m->request = *x->request;
+		m->request.is_forward = 0;
+		if (c->stages[i].is_forward)
+			m->request = request_of_accelerations(x->request, &m->qdd);
+		m->of = *x;
+		m->of.raw = &c->dags[i];
+		m->of.request = &m->request;
+	}
+	return 1;
+}
+
+/* ---- parts of a stage ---- */
+
+/* In aos outputs stand in the places of inputs: qdd where q was, mu where tau was, and what it leaves for the vjp by qd is
+   written over. */
+static int set_rows(struct part *p, int stage, const struct parts_of *x, struct arena *a)
+{
+	int nv = x->options->layout == RNEAGEN_AOS ? x->tree->nv : 0;
+
+	return apart_set_rows(p, stage > 0 && nv ? stretches_make_found : stretches_make, nv, x, a);
 }
 
 static int is_together(const struct dag *d, const struct rneagen_options *o)
@@ -64,71 +158,108 @@ static int is_together(const struct dag *d, const struct rneagen_options *o)
 	return o->layout == RNEAGEN_AOS && o->precision == RNEAGEN_F32 && plan_flops(plan_operations_of(d, 0, d->count)) <= LONG;
 }
 
-static int share_out(struct kernel *k, const struct parts_of *x, struct arena *spare)
+static int finish(struct part *p, int stage, const struct parts_of *x, struct arena *spare, struct arena *a)
 {
-	k->owner = arena_alloc(spare, k->dag.output_count + 1, sizeof *k->owner);
-	if (!k->owner || k->dag.failed)
-		return 0;
-	k->count = is_together(&k->dag, x->options) ? 1 : joined_own(k->owner, &k->dag, x->tree->nv, spare);
-	k->of = *x;
-	k->of.raw = &k->dag;
-	k->of.request = &k->request;
-	return k->count;
+	return turns_delay_stores(&p->function.plan, spare) && set_rows(p, stage, x, a);
 }
 
-static int begin(struct kernel kernels[KERNELS], struct want *qdd, const struct parts_of *x, struct arena *spare)
+/* In parts where limbs share nothing: of `d`, from parts[first] on. Returns how many there are; 0 when memory runs out. */
+static int make_limbs(
+	struct chain *c, int stage, const struct dag *d, int first, struct arena *spare, struct arena *a)
 {
-	struct dag raw;
+	const struct parts_of *x = &c->made[stage].of;
+	int *owner = arena_alloc(spare, d->output_count + 1, sizeof *owner), count;
 	struct share share;
-	const int *kernel;
 
-	dag_init(&raw, spare);
-	algorithm_build_handed(&raw, x->tree, x->request);
-	kernel = raw.failed ? NULL : kernels_of(&raw, x->tree->nv, spare);
-	if (!kernel || !share_begin(&share, &raw, kernel, spare))
+	if (!owner || !share_begin(&share, d, owner, spare))
 		return 0;
-	kernels[FIRST].request = request_of_accelerations(x->request, qdd);
-	kernels[SECOND].request = *x->request;
-	kernels[SECOND].request.is_forward = 0;
-	for (int i = 0; i < KERNELS; i++) {
-		share_copy(&share, i, i + 1, &kernels[i].dag, spare);
-		if (!share_out(&kernels[i], x, spare))
+	count = is_together(d, x->options) ? 1 : joined_own(owner, d, x->tree->nv, spare);
+	for (int i = 0; i < count; i++) {
+		struct part *p = &c->parts[first + i];
+
+		if (!apart_build(p, &share, i, first + i, c->stages[stage].what, x, a) || !finish(p, stage, x, spare, a))
 			return 0;
 	}
+	return count;
+}
+
+/* How a stage is made: so many parts of a kernel before, and of another one. */
+struct kernels {
+	int before, main;
+};
+
+/* The base's rows first, where that serves: k->before is 0 where it does not. Returns 0 when memory runs out. */
+static int divide(struct kernels *k, struct chain *c, int stage, struct arena *spare, struct arena *a)
+{
+	const struct parts_of *x = &c->made[stage].of;
+	struct part whole;
+	int count = 0;
+
+	if (!base_first_serves(x))
+		return 1;
+	memset(&whole, 0, sizeof whole);
+	if (!part_build(&whole, x->raw, "", "", x, spare) || !part_order(&whole, ORDERED_PART, x, spare) ||
+		!base_first_divide(c->parts + c->count, &count, c->count, x->raw, c->stages[stage].what, whole.alive, x, spare, a))
+		return 0;
+	*k = (struct kernels){count > 0, count - (count > 0)};
 	return 1;
 }
 
-/* In aos outputs stand in the places of inputs: qdd where q was, mu where tau was, and what it leaves for the vjp by qd is
-   written over. */
-static int set_rows(struct part *p, int kernel, const struct parts_of *x, struct arena *a)
+/* Half of the limbs first, which hand on sums to the other half and the base, where that serves. */
+static int make_hands(struct kernels *k, struct chain *c, int stage, struct arena *spare, struct arena *a)
 {
-	int nv = x->options->layout == RNEAGEN_AOS ? x->tree->nv : 0;
+	const struct parts_of *x = &c->made[stage].of;
+	struct hands h;
 
-	return apart_set_rows(p, kernel == SECOND && nv ? stretches_make_found : stretches_make, nv, x, a);
+	if (!hands_find(&h, x, spare))
+		return 0;
+	if (h.level_count != 1)
+		return 1;
+	if (!apart_make_hands(c->parts + c->count, c->count, &h, x, spare, a))
+		return 0;
+	for (int i = 0; i < h.count; i++)
+		if (!finish(&c->parts[c->count + i], stage, x, spare, a))
+			return 0;
+	*k = (struct kernels){h.count, make_limbs(c, stage, &h.levels->rest, c->count + h.count, spare, a)};
+	return k->main;
 }
 
-static int make_kernel(struct part *parts, int first, int kernel, const struct kernel *k, struct arena *spare, struct arena *a)
+static int make_kernels(struct kernels *k, struct chain *c, int stage, struct arena *spare, struct arena *a)
 {
-	static const char *const WHAT[KERNELS] = {"qdd, and M^-1 of the weights", "the rest, where both are found"};
-	struct share share;
+	const struct parts_of *x = &c->made[stage].of;
 
-	if (!share_begin(&share, &k->dag, k->owner, spare))
+	*k = (struct kernels){0};
+	if (x->options->layout == RNEAGEN_SOA && base_is_free(x->tree) &&
+		!(c->stages[stage].is_forward ? divide : make_hands)(k, c, stage, spare, a))
 		return 0;
-	for (int i = 0; i < k->count; i++) {
-		struct part *p = &parts[first + i];
+	if (!k->before)
+		k->main = make_limbs(c, stage, &c->dags[stage], c->count, spare, a);
+	return k->main;
+}
 
-		if (!apart_build(p, &share, i, first + i, WHAT[kernel], &k->of, a) ||
-			!turns_delay_stores(&p->function.plan, spare) || !set_rows(p, kernel, &k->of, a))
-			return 0;
-		p->is_before = kernel == FIRST;
+static int add_stage(struct chain *c, int stage, struct arena *spare, struct arena *a)
+{
+	int is_last = stage == c->stage_count - 1;
+	struct part *p = c->parts + c->count;
+	struct kernels k;
+
+	if (!make_kernels(&k, c, stage, spare, a))
+		return 0;
+	for (int i = 0; i < k.before + k.main; i++) {
+		p[i].is_before = i < k.before || !is_last;
+		p[i].level = p[i].is_before ? c->level + (k.before && i >= k.before) : 0;
 	}
+	c->level += 1 + (k.before > 0);
+	c->count += k.before + k.main;
 	return 1;
 }
 
-/* Are rows read before others are written in their places? */
+/* Are rows read before others are written in their places? A stage's rows may be those of two stages before. */
 static int are_in_order(int *are, const struct part *parts, int count, const struct parts_of *x, struct arena *a)
 {
-	*are = turns_serve(parts, count, x->whole->dag.arguments[parts_handed(&x->whole->dag)].rows, a);
+	const struct dag *d = &x->whole->dag;
+
+	*are = turns_serve(parts, count, d->arguments[parts_handed(d)].rows, MOST_STAGES, a);
 	for (int i = 0, serves; i < count && *are; i++) {
 		if (!places_serve(&serves, &parts[i].function, parts[i].function.stretches, a))
 			return 0;
@@ -139,20 +270,24 @@ static int are_in_order(int *are, const struct part *parts, int count, const str
 
 int found_make(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)
 {
-	struct kernel kernels[KERNELS] = {0};
-	struct want qdd;
-	int all, are;
+	struct chain c = {0};
+	int are;
 
 	if (!is_served(x) || !is_full(x, spare))
 		return !spare->failed;
-	if (!begin(kernels, &qdd, x, spare))
+	if (!begin(&c, x, spare, a))
 		return 0;
-	all = kernels[FIRST].count + kernels[SECOND].count;
-	*parts = arena_alloc(a, (size_t)all, sizeof **parts);
-	if (!*parts || !make_kernel(*parts, 0, FIRST, &kernels[FIRST], spare, a) ||
-		!make_kernel(*parts, kernels[FIRST].count, SECOND, &kernels[SECOND], spare, a) ||
-		!are_in_order(&are, *parts, all, x, spare))
+	for (int i = 0; i < c.stage_count; i++)
+		if (!add_stage(&c, i, spare, a))
+			return 0;
+	if (!are_in_order(&are, c.parts, c.count, x, spare))
 		return 0;
-	*count = are ? all : 0;
+	*parts = c.parts;
+	*count = are ? c.count : 0;
 	return 1;
+}
+
+int found_is(const struct part *parts, int count, const struct request *k)
+{
+	return count && parts[0].is_before && k->is_forward && !base_first_is(parts, count, k);
 }

@@ -1,13 +1,25 @@
 #ifndef RNEAGEN_FOUND_H
 #define RNEAGEN_FOUND_H
-/* A vjp of accelerations by two kernels, one after the other. The first finds qdd and, of the weights w, mu = M^-1 w, which is
-   the vjp by tau. The second takes both from rows of the vjp and makes the rest, the vjp of the torques at that qdd with -mu for
-   its weights (dynamics/product.c). So nothing of M and its factors waits while the motion is gone over backwards, nor motion
-   while M is factored. Each is in parts where limbs share nothing (joined.h). */
+/* A product of accelerations by kernels one after the other, each in parts where limbs share nothing (joined.h).
 
+   A vjp: the first finds qdd and, of the weights w, mu = M^-1 w, which is the vjp by tau. The second takes both from rows of the
+   vjp and makes the rest, the vjp of the torques at that qdd with -mu for its weights (dynamics/product.c). A jvp: the first finds
+   qdd, the second what tau changes by while that qdd stands still, dtau - T_q dq - T_qd dqd, and the third M^-1 of that, each in
+   the rows of the jvp. So nothing of M and its factors waits while the motion is gone over, nor motion while M is factored.
+
+   Where the base moves, in f64 and in soa, a kernel that finds accelerations may be two, the base's own first (base_first.h), and
+   one of torques two, one for each half of the limbs (hands/base_limbs.c). */
+
+#include "dynamics/registry.h"
 #include "plan/grid/parts.h"
 
 /* *count is 0 where that does not serve: another request, or one that holds little at once. Returns 0 when memory runs out. */
 int found_make(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a);
+
+/* DAGs of the first `count` stages, each a kernel or two. Returns 0 when memory runs out. */
+int found_stages(struct dag *dags, int count, const struct parts_of *x, enum handed handed, struct arena *a);
+
+/* Are these such kernels? */
+int found_is(const struct part *parts, int count, const struct request *k);
 
 #endif

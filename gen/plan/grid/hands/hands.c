@@ -1,4 +1,6 @@
-#include "plan/grid/hands/hands.h"
+#include "plan/grid/hands/base_limbs.h"
+#include "plan/grid/hands/finder.h"
+#include "plan/readings.h"
 #include <string.h>
 
 /* Operations of the whole, and of a hand. H100, 1 M samples, ps, one kernel and two: g1_brainco, 9010 operations, f64 2447 and
@@ -14,17 +16,6 @@ enum { FULL = 300, LONGEST_SINGLE = 30, LONGEST_DOUBLE = 16 };
 
 /* What a node is made of. */
 enum { CONSTANT, OWN, OTHERS };
-
-struct finder {
-	const struct parts_of *x;
-	const struct dag *d;
-	struct hands *h;
-	struct arena *a;
-	int *children;        /* by body */
-	unsigned char *taken; /* by body: 1 + the level of the hand that has it */
-	unsigned char *rows;  /* by row of the last array: it belongs to a hand, or is taken by what one hands on */
-	unsigned char *beyond, *from, *to, *kind, *meets; /* by node */
-};
 
 /* ---- which bodies carry a hand ---- */
 
@@ -50,7 +41,7 @@ static int mark_rows(struct finder *f, const struct hand *m, unsigned char *own)
 /* Of the array in which what is handed on stands. */
 static int handed_rows(const struct finder *f)
 {
-	return f->d->arguments[parts_handed(f->d)].rows;
+	return finder_rows(f->d);
 }
 
 static int is_product(const struct finder *f)
@@ -66,9 +57,12 @@ static int row_of(const struct finder *f, size_t i)
 
 /* Rows of the arm for what is handed on, one for each joint, of a vjp three: those that are written last, which are nearest to
    the hand for torques, and farthest for a vjp, whose lines go by rows. Returns 0 where there are too few. */
-static int choose_rows(struct finder *f, struct hand *m)
+static int choose_rows(struct finder *f, struct hand *m, const unsigned char *own)
 {
 	const struct tree *t = f->x->tree;
+
+	if (f->is_base)
+		return base_limbs_rows(f, m, own);
 	int *arm = arena_alloc(f->a, (size_t)t->body_count, sizeof *arm), joints = 0, count = 0;
 
 	for (int k = m->body; k >= 0 && arm; k = t->bodies[k].parent)
@@ -107,6 +101,11 @@ static int is_own_input(const struct finder *f, const struct node *n, const unsi
 {
 	const struct argument *a = n->op == OP_INPUT && n->arg[0].i < DAG_ARGUMENTS ? &f->d->arguments[n->arg[0].i] : NULL;
 
+	if (a && f->is_base) {
+		const struct tree_joint *j = readings_joint(f->d, n, f->x->tree);
+
+		return j && own[j->iv];
+	}
 	return a && role_rows(a->role) != ROWS_ANY && a->rows == f->x->tree->nv && own[n->arg[1].i];
 }
 
@@ -144,18 +143,22 @@ static int cut_hand(struct finder *f, struct hand *m, unsigned char *own)
 	mark_meetings(f);
 	if (!cut_find(&m->cut, d, f->meets, f->to, f->a))
 		return 0;
-	if (!choose_rows(f, m) || operations_of(f, m, own) < (is_product(f) ? LEAST_HAND_PRODUCT : LEAST_HAND))
+	if (!choose_rows(f, m, own) || operations_of(f, m, own) < (is_product(f) ? LEAST_HAND_PRODUCT : LEAST_HAND))
 		m->cut.count = 0;
 	return 1;
 }
 
-/* Returns 0 when memory runs out. */
-static int try_hand(struct finder *f, int body, int first, int end, unsigned char *own)
+int finder_look(struct hand *m, struct finder *f, int body, int first, int end, unsigned char *own)
+{
+	*m = (struct hand){.body = body, .first = first, .last = end - 1, .level = f->h->level_count};
+	return cut_hand(f, m, own);
+}
+
+int finder_try(struct finder *f, int body, int first, int end, unsigned char *own)
 {
 	struct hand *m = &f->h->list[f->h->count];
 
-	*m = (struct hand){.body = body, .first = first, .last = end - 1, .level = f->h->level_count};
-	if (!cut_hand(f, m, own))
+	if (!finder_look(m, f, body, first, end, own))
 		return 0;
 	if (!m->cut.count)
 		return 1;
@@ -183,10 +186,10 @@ static int find_beyond(struct finder *f, int body, unsigned char *own)
 	int end = tree_end(t, body), next;
 
 	if (!is_branched(f, body + 1, end))
-		return try_hand(f, body, body + 1, end, own);
+		return finder_try(f, body, body + 1, end, own);
 	for (int first = body + 1; first < end; first = next) {
 		next = tree_end(t, first);
-		if (!is_branched(f, first, next) && !try_hand(f, body, first, next, own))
+		if (!is_branched(f, first, next) && !finder_try(f, body, first, next, own))
 			return 0;
 	}
 	return 1;
@@ -248,78 +251,13 @@ static int find_ends(struct finder *f, unsigned char *own)
 			continue;
 		while (--length > 0)
 			first = t->bodies[first].parent;
-		if (!has_hand(f, first) && !try_hand(f, t->bodies[first].parent, first, tree_end(t, first), own))
+		if (!has_hand(f, first) && !finder_try(f, t->bodies[first].parent, first, tree_end(t, first), own))
 			return 0;
 	}
 	return 1;
 }
 
-/* ---- what the kernels make ---- */
-
-/* The hand that writes a row of an output, the first that has it; -1: none does. */
-static int hand_of(const struct hands *h, const struct tree *t, int of)
-{
-	int body = -1, row = of % t->nv;
-
-	for (int k = 0; k < t->body_count && body < 0; k++)
-		if (joint_nv(t->bodies[k].type) && t->bodies[k].iv <= row && row < t->bodies[k].iv + joint_nv(t->bodies[k].type))
-			body = k;
-	for (int i = 0; i < h->count; i++)
-		if (h->list[i].first <= body && body <= h->list[i].last)
-			return i;
-	return -1;
-}
-
-/* The level's DAG with stores of what its hands, from the hand `begin` on, hand on. */
-static int share_outputs(struct finder *f, struct hand_level *level, int begin)
-{
-	struct hands *h = f->h;
-	const struct dag *d = f->d;
-	size_t most = d->output_count + (size_t)(h->count - begin) * CUT_MOST;
-	struct output *outputs = arena_alloc(f->a, most, sizeof *outputs);
-
-	level->owner = arena_alloc(f->a, most, sizeof *level->owner);
-	if (!outputs || !level->owner)
-		return 0;
-	level->first = *d;
-	level->first.outputs = memcpy(outputs, d->outputs, d->output_count * sizeof *outputs);
-	for (size_t i = 0; i < d->output_count; i++)
-		level->owner[i] = hand_of(h, f->x->tree, d->outputs[i].row);
-	for (int k = begin; k < h->count; k++)
-		for (int i = 0; i < h->list[k].cut.count; i++) {
-			level->owner[level->first.output_count] = k;
-			outputs[level->first.output_count++] =
-				(struct output){parts_handed(d), h->list[k].rows[i], {h->list[k].cut.nodes[i]}};
-		}
-	return 1;
-}
-
-/* A copy without the hands, in which what they hand on is read from tau. */
-static int make_rest(struct finder *f, struct hand_level *level, int begin)
-{
-	const struct hands *h = f->h;
-	const struct dag *d = f->d;
-	struct dag read = *d;
-	struct share share;
-
-	read.nodes = arena_take(f->a, d->count, sizeof *read.nodes);
-	if (!read.nodes)
-		return 0;
-	memcpy(read.nodes, d->nodes, d->count * sizeof *read.nodes);
-	for (int k = begin; k < h->count; k++)
-		for (int i = 0; i < h->list[k].cut.count; i++) {
-			struct node *n = &read.nodes[h->list[k].cut.nodes[i]];
-
-			*n = (struct node){.op = OP_INPUT, .arg = {{(uint32_t)parts_handed(d)}, {(uint32_t)h->list[k].rows[i]}},
-				.tag = n->tag};
-		}
-	if (!share_begin(&share, &read, level->owner, f->a))
-		return 0;
-	share_copy(&share, -1, 0, &level->rest, f->a);
-	share_end(&share, f->a);
-	arena_release(f->a, read.nodes);
-	return !level->rest.failed;
-}
+/* ---- all hands ---- */
 
 /* tau alone, or in soa with its vjp, since rows hold what is handed on. */
 static int has_rows(const struct parts_of *x, unsigned flops)
@@ -343,7 +281,7 @@ static int may_have(struct hands *h, const struct parts_of *x, struct arena *a)
 {
 	const struct rneagen_options *o = x->options;
 
-	if (o->strict || (o->precision == RNEAGEN_F32 && o->layout == RNEAGEN_AOS) || x->tree->nq != x->tree->nv ||
+	if (o->strict || (o->precision == RNEAGEN_F32 && o->layout == RNEAGEN_AOS) || (x->tree->nq != x->tree->nv && !base_limbs_may(x)) ||
 		!has_rows(x, plan_flops(plan_operations(&x->whole->plan))))
 		return 0;
 	h->is_full = plan_alive(&x->whole->plan, a) > FULL;
@@ -366,7 +304,7 @@ static int find_level(struct finder *f, int (*find)(struct finder *f, unsigned c
 		return 0;
 	if (h->count == begin)
 		return 1;
-	if (!share_outputs(f, level, begin) || !make_rest(f, level, begin))
+	if (!finder_share(f, level, begin) || !finder_rest(f, level, begin))
 		return 0;
 	f->d = &level->rest;
 	h->level_count++;
@@ -388,8 +326,13 @@ int hands_find(struct hands *h, const struct parts_of *x, struct arena *a)
 	f.children = arena_alloc(a, bodies, sizeof *f.children);
 	f.taken = arena_alloc(a, bodies, 1);
 	f.rows = arena_alloc(a, rows, 1);
-	if (a->failed || !find_level(&f, find_branches, own))
+	f.is_base = h->is_base = x->tree->nq != x->tree->nv;
+	if (!a->failed && f.is_base)
+		base_limbs_bar(&f);
+	if (a->failed || !find_level(&f, f.is_base ? base_limbs_find : find_branches, own))
 		return 0;
+	if (f.is_base)
+		return 1;
 	do {
 		count = h->count;
 		if (!find_level(&f, find_ends, own))

@@ -33,6 +33,7 @@ struct hands {
 	int count;         /* 0: there are none, or several kernels do not serve */
 	struct hand_level *levels;
 	int level_count;   /* HAND_LEVELS at most */
+	int is_base;       /* they are limbs of a base that moves freely */
 	int is_full;       /* the whole holds so much that parts spill less though they stage nothing */
 };
 

@@ -5,7 +5,7 @@
 /* By part and row of the last array: it is stored, or read from where another part has left it. */
 struct turns {
 	const struct part *parts;
-	int count, rows;
+	int count, rows, most; /* kernels before that may have stored a row which is read */
 	unsigned char *stores, *reads;
 };
 
@@ -62,13 +62,13 @@ static int goes(const struct turns *x, int part, int row)
 			return 0;
 		before += is_stored && kernel_of(&x->parts[i]) < kernel;
 	}
-	return !is_read || before == 1;
+	return !is_read || (before > 0 && before <= x->most);
 }
 
-int turns_serve(const struct part *parts, int count, int rows, struct arena *a)
+int turns_serve(const struct part *parts, int count, int rows, int most, struct arena *a)
 {
 	size_t size = (size_t)count * (size_t)rows;
-	struct turns x = {parts, count, rows, arena_alloc(a, size, 1), arena_alloc(a, size, 1)};
+	struct turns x = {parts, count, rows, most, arena_alloc(a, size, 1), arena_alloc(a, size, 1)};
 
 	if (!x.stores || !x.reads)
 		return 0;

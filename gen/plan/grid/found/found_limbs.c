@@ -1,0 +1,106 @@
+#include "plan/grid/found/found_limbs.h"
+#include "plan/grid/found/found.h"
+#include "plan/limbs/limb_limits.h"
+#include <string.h>
+
+/* Operations of the longest warps, both kernels together, as a share of those of the longest parts of the kernels beside them: up to
+   this much for large batches, where these are three or more, or two of one part each; else for small ones. H200, us by kernels
+   and by limbs, of 1, 256, 1024, 4096 and 8192 samples, in brackets the share: vjp of floating atlas in f32 (0.33) 35 18, 34 21, 36
+   27, 36 30, 40 32, in f64 (0.31) 74 31, 76 35, 80 42, 81 48, 122 76, of floating hyq in f64 (0.41) 14 14, 20 15, 20 19, 21 21, 21
+   22, of floating panda in f64 (0.44) 9.4 9.6, 10 10, 10 14, 11 16, 12 16; two kernels in parts: g1_29dof in f32 (0.35) 15 13, 15 15,
+   16 20, 16 23, 23 35, in f64 (0.41) 29 20, 29 25, 32 32, 30 38, 44 59, jvrc1 in f32 (0.43) 28 22, 27 26, 29 32, 28 35, 38 37; jvp of
+   floating atlas in f32 (0.39) 42 26, 42 30, 46 36, 45 40, 48 41, in f64 (0.30) 93 36, 93 42, 99 55, 99 80, 145 135, of atlas
+   in f64 (0.47) 47 22, 47 26, 49 33, 52 37, 71 46, of floating hyq in f64 (0.44) 28 17, 29 18, 30 20, 30 23, 30 25. */
+static const double SHARE_OF_TWO = 0.42, SHARE = 0.48;
+enum { MOST_LARGE = 8192, MOST_SMALL_SINGLE = 128, MOST_SMALL_DOUBLE = 256 };
+
+/* The kernels beside: how many, of how many parts at most, and operations of the longest part of each, together. */
+struct beside {
+	int kernels, parts;
+	unsigned operations;
+};
+
+static int is_same_kernel(const struct part *a, const struct part *b)
+{
+	return a->is_before == b->is_before && a->level == b->level;
+}
+
+static struct beside kernels_beside(const struct part *parts, int count)
+{
+	struct beside all = {0};
+
+	for (int i = 0, end; i < count; i = end) {
+		unsigned longest = 0;
+
+		for (end = i; end < count && is_same_kernel(&parts[i], &parts[end]); end++) {
+			unsigned operations = plan_flops(plan_operations(&parts[end].function.plan));
+
+			longest = operations > longest ? operations : longest;
+		}
+		all.kernels++;
+		all.parts = end - i > all.parts ? end - i : all.parts;
+		all.operations += longest;
+	}
+	return all;
+}
+
+static unsigned most_samples(unsigned longest, struct beside kernels, const struct rneagen_options *o)
+{
+	double share = longest / (double)kernels.operations;
+
+	if (kernels.kernels > 2 ? share <= SHARE : kernels.parts == 1 && share <= SHARE_OF_TWO)
+		return MOST_LARGE;
+	return o->precision == RNEAGEN_F32 ? MOST_SMALL_SINGLE : MOST_SMALL_DOUBLE;
+}
+
+/* All warps, and lanes that make a sample again, read what is found before any of them writes over it: inputs come first, and then
+   they wait for each other. So do the threads of one group; another one might make the last sample again. */
+static void wait_for_readings(struct limbs *s)
+{
+	for (int w = 0; w < s->warps; w++) {
+		struct plan *p = &s->plans[w];
+		size_t inputs = 0;
+
+		while (inputs < p->line_count && p->lines[inputs].kind == LINE_INPUT)
+			inputs++;
+		plan_add_line(p, LINE_JOIN, (struct ref){0}, 0);
+		memmove(p->lines + inputs + 1, p->lines + inputs, (p->line_count - inputs - 1) * sizeof *p->lines);
+		p->lines[inputs] = (struct line){.kind = LINE_JOIN};
+	}
+	s->groups = 1;
+}
+
+static int build(struct part *stages, struct dag *dags, const struct parts_of *x, struct arena *a)
+{
+	const char *whole = x->whole->algorithm->name, *const names[FOUND_STAGES] = {text_format(a, "%s_start", whole), whole};
+	static const char *const DOCS[FOUND_STAGES] = {"What is found first.", "The rest, where that is found."};
+
+	for (int i = 0; i < FOUND_STAGES; i++) {
+		struct function *p = &stages[i].function;
+
+		if (!part_build(&stages[i], &dags[i], names[i], DOCS[i], x, a) || !limbs_choose(&p, 1, x->options, a))
+			return 0;
+	}
+	return 1;
+}
+
+int found_limbs_make(struct part **stages, const struct part *parts, int count, const struct parts_of *x, struct arena *a)
+{
+	struct part *made = arena_alloc(a, FOUND_STAGES, sizeof *made);
+	struct limbs *start = &made[FOUND_START].function.limbs, *rest = &made[FOUND_REST].function.limbs;
+	struct arena spare;
+	struct dag dags[FOUND_STAGES];
+	int done;
+
+	*stages = NULL;
+	arena_init(&spare, x->options->allocator);
+	done = made && found_stages(dags, FOUND_STAGES, x, HANDED_FOUND, &spare) && build(made, dags, x, a);
+	if (done && start->warps && rest->warps) {
+		wait_for_readings(rest);
+		start->most = rest->most = most_samples(start->longest + rest->longest, kernels_beside(parts, count), x->options);
+		*stages = made;
+	}
+	done = done && !spare.failed;
+	arena_free(&spare);
+	return done;
+}

@@ -1,0 +1,125 @@
+/* The limbs of a base that moves freely meet in the base alone: a vjp takes of each what a hand hands on, sums of a few numbers. So
+   some half of the limbs are a hand, and what is left is shorter than the instruction cache, and holds less. */
+#include "plan/grid/hands/base_limbs.h"
+#include "plan/grid/base_first.h"
+#include "plan/grid/hands/finder.h"
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Operations of both halves. H200, ps for each of a million samples, and us of 16384, as one part and as halves: f64, tau and vjp:
+   simple_humanoid, 5479, 925 and 816 (20, 21), anymal_kinova, 5541, 605 and 950 (15, 27), atlas, 7641, 5150 and 1820 (106, 54),
+   g1_29dof, 8359, 3160 and 1050 (69, 43), romeo, 8562, 3120 and 1210 (68, 44), jvrc1, 10048, 5190 and 3950 (84, 92); f32: atlas
+   803 and 579, but 16384 samples 18 and 21, and 4096 16 and 19, jvrc1 1890 and 681 (32, 25). */
+enum { LEAST_DOUBLE = 7000, LEAST_SINGLE = 9400 };
+
+static unsigned operations_of(const struct parts_of *x)
+{
+	unsigned own = plan_flops(plan_operations_of(x->raw, 0, x->raw->count)), whole = plan_flops(plan_operations(&x->whole->plan));
+
+	return own < whole ? own : whole; /* of a stage (found.h), or without what nobody takes */
+}
+
+int base_limbs_may(const struct parts_of *x)
+{
+	unsigned least = x->options->precision == RNEAGEN_F32 ? LEAST_SINGLE : LEAST_DOUBLE;
+
+	return x->options->layout == RNEAGEN_SOA && base_is_free(x->tree) && dag_find_role(x->raw, ROLE_VJP, 1) >= 0 &&
+		operations_of(x) >= least;
+}
+
+/* A row that no kernel writes, that is always zero, or that one before has left something in. */
+void base_limbs_bar(struct finder *f)
+{
+	const struct dag *d = f->d;
+	int last = parts_handed(d);
+
+	for (int row = 0; row < finder_rows(d); row++)
+		f->rows[row] = 1;
+	for (size_t i = 0; i < d->output_count; i++)
+		if (d->outputs[i].argument == last && node_is_operation(&d->nodes[d->outputs[i].value.i]))
+			f->rows[d->outputs[i].row] = 0;
+	for (size_t i = 0; i < d->count; i++)
+		if (d->nodes[i].op == OP_INPUT && (int)d->nodes[i].arg[0].i == last)
+			f->rows[d->nodes[i].arg[1].i] = 1;
+}
+
+/* The limb with which the second half begins, by rows of qd; the body count where there is one limb. */
+static int middle(const struct tree *t)
+{
+	int best = t->body_count, least = t->nv;
+
+	for (int k = tree_end(t, 1); k < t->body_count; k = tree_end(t, k)) {
+		int difference = abs(t->nv + 6 - 2 * t->bodies[k].iv); /* rows of it and before, without the base's, and from it on */
+
+		if (difference < least) {
+			least = difference;
+			best = k;
+		}
+	}
+	return best;
+}
+
+/* Operations that outputs take, the hand's and what it hands on, or all others, which take that from there. */
+static unsigned cone(struct finder *f, const struct hand *m, const unsigned char *own, int is_hands)
+{
+	const struct dag *d = f->d;
+	unsigned count = 0;
+
+	memset(f->to, 0, d->count);
+	memset(f->beyond, 0, d->count);
+	for (int i = 0; i < m->cut.count; i++)
+		(is_hands ? f->to : f->beyond)[m->cut.nodes[i]] = 1;
+	for (size_t i = 0; i < d->output_count; i++)
+		f->to[d->outputs[i].value.i] |= own[d->outputs[i].row % f->x->tree->nv] == is_hands;
+	for (size_t i = d->count; i-- > 0;) {
+		if (!f->to[i] || f->beyond[i])
+			continue;
+		count += op_arity[d->nodes[i].op] > 0;
+		for (int k = 0; k < op_arity[d->nodes[i].op]; k++)
+			f->to[d->nodes[i].arg[k].i] = 1;
+	}
+	return count;
+}
+
+/* What both kernels take with this half for the hand; UINT_MAX where it is none. Returns 0 when memory runs out. */
+static int look(unsigned *operations, struct finder *f, int first, int end, unsigned char *own)
+{
+	struct hand m;
+
+	if (!finder_look(&m, f, 0, first, end, own))
+		return 0;
+	*operations = m.cut.count ? cone(f, &m, own, 1) + cone(f, &m, own, 0) : UINT_MAX;
+	return 1;
+}
+
+/* Where the base's sums begin with one half, the other's kernel would make that too. */
+int base_limbs_find(struct finder *f, unsigned char *own)
+{
+	const struct tree *t = f->x->tree;
+	int half = middle(t), end = t->body_count;
+	unsigned before, beyond;
+
+	if (half == end)
+		return 1;
+	if (!look(&before, f, 1, half, own) || !look(&beyond, f, half, end, own))
+		return 0;
+	return before < beyond ? finder_try(f, 0, 1, half, own) : finder_try(f, 0, half, end, own);
+}
+
+/* Rows of the base first, which are written last. */
+int base_limbs_rows(struct finder *f, struct hand *m, const unsigned char *own)
+{
+	int nv = f->x->tree->nv, count = 0, rows = finder_rows(f->d);
+
+	for (int i = 0; i < nv; i++)
+		for (int row = i; row < rows && count < m->cut.count; row += nv)
+			if (!own[i] && !f->rows[row])
+				m->rows[count++] = row;
+	return count > 0 && count == m->cut.count;
+}
+
+int base_limbs_are(const struct part *parts, int count, const struct tree *t)
+{
+	return count && parts[0].is_before && base_is_free(t);
+}
