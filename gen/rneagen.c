@@ -7,7 +7,7 @@
 #include "plan/grid/base_first.h"
 #include "plan/grid/found/found.h"
 #include "plan/grid/found/found_limbs.h"
-#include "plan/grid/hands/base_limbs.h"
+#include "plan/grid/hands/base_sides.h"
 #include "plan/limbs/limb_limits.h"
 #include "plan/lanes/lanes.h"
 #include "plan/segments.h"
@@ -34,7 +34,7 @@ struct generation {
 	struct relay *relay;
 	struct part *parts; /* of the relay's second kernel, where there is a relay */
 	int part_count;
-	struct part *stages; /* whose limbs serve small batches (plan/grid/found/found_limbs.h); NULL: the function's do */
+	struct part *rounds; /* whose limbs serve small batches (plan/grid/found/found_limbs.h); NULL: the function's do */
 	int is_transposed; /* plan/transposed.h */
 	char hash[SHA256_DIGEST_STRING_LENGTH];
 	struct emission emission;
@@ -168,13 +168,13 @@ static enum rneagen_code choose_for_kernel(struct generation *g,
 	return functions && choose(functions, count, &o, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
-/* Of the stages of what found.h divides, where they have some. */
+/* Of the rounds of what found.h divides, where they have some. */
 static int found_limbs(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
 	const struct parts_of x = {.whole = &g->functions[0], .tree = &a->tree, .request = &a->request, .options = &a->options};
 
-	return !found_is(g->parts, g->part_count, &a->request) || found_limbs_make(&g->stages, g->parts, g->part_count, &x, a->arena);
+	return !found_is(g->parts, g->part_count, &a->request) || found_limbs_make(&g->rounds, g->parts, g->part_count, &x, a->arena);
 }
 
 static enum rneagen_code limbs_make_all(struct generation *g)
@@ -185,14 +185,14 @@ static enum rneagen_code limbs_make_all(struct generation *g)
 
 	if (!found_limbs(g))
 		return error_memory(a->error);
-	if (g->stages)
+	if (g->rounds)
 		return RNEAGEN_OK;
 	if ((!are_apart && !g->is_transposed && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
 		return a->error->code;
 	if (base_first_is(g->parts, g->part_count, &a->request))
 		limbs_beside_base(&g->functions[0].limbs);
-	else if (base_limbs_are(g->parts, g->part_count, &a->tree))
-		limbs_beside_halves(&g->functions[0].limbs, &a->options);
+	else if (base_sides_are(g->parts, g->part_count, &a->tree))
+		limbs_beside_sides(&g->functions[0].limbs, &a->options);
 	else if (are_apart)
 		limbs_beside_parts(&g->functions[0].limbs, g->part_count, &a->request, &a->options);
 	return !g->relay || relay_limbs(g->relay, &a->request, &o, a->arena) ? RNEAGEN_OK : error_memory(a->error);
@@ -225,7 +225,7 @@ static struct emission new_emission(struct generation *g, const char *told)
 
 	return (struct emission){.tree = &a->tree, .request = &a->request, .scene = &a->scene, .adjust = &a->adjust,
 		.options = &a->options, .functions = g->functions, .function_count = function_count(g),
-		.parts = g->parts, .part_count = g->part_count, .relay = g->relay, .stages = g->stages, .is_transposed = g->is_transposed,
+		.parts = g->parts, .part_count = g->part_count, .relay = g->relay, .rounds = g->rounds, .is_transposed = g->is_transposed,
 		.warnings = g->result->warnings, .warning_count = g->result->warning_count,
 		.told = told, .hash = g->hash,
 		.written = arena_alloc(a->arena, EMIT_WRITTEN, sizeof(struct written_number)),
@@ -338,7 +338,7 @@ static void put_passes(struct text *out)
 static enum rneagen_code dump(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
-	const struct dumped d = {a, g->functions, function_count(g), g->parts, g->part_count, g->relay, g->stages};
+	const struct dumped d = {a, g->functions, function_count(g), g->parts, g->part_count, g->relay, g->rounds};
 	struct text out;
 
 	if (a->options.dump == RNEAGEN_DUMP_NONE)

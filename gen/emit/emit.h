@@ -6,7 +6,7 @@
 #include "emit/target_type.h"
 #include "plan/grid/base_first.h"
 #include "plan/grid/found/found_limbs.h"
-#include "plan/grid/hands/base_limbs.h"
+#include "plan/grid/hands/base_sides.h"
 #include "plan/grid/relay.h"
 #include "plan/lanes/angles.h"
 #include "rneagen.h"
@@ -23,7 +23,7 @@ struct emission {
 	const struct part *parts;              /* what the first function does, as parts of the grid; part_count 0: it is whole */
 	int part_count;
 	const struct relay *relay;             /* whose second kernel has these parts; NULL: there is one kernel */
-	const struct part *stages;             /* of the first function, whose limbs serve small batches (plan/grid/found/found_limbs.h), or NULL */
+	const struct part *rounds;             /* of the first function, whose limbs serve small batches: grid/found/found_limbs.h; or NULL */
 	int is_transposed;                     /* kernels write as in soa (plan/transposed.h); their options say soa */
 	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
 	const char *const *warnings;
@@ -112,10 +112,10 @@ static inline int emit_finds_mu(const struct emission *e)
 	return emit_finds_first(e) && !emit_finds_base(e);
 }
 
-/* Is it one of half of the limbs of a base (plan/grid/hands/base_limbs.h)? */
-static inline int emit_is_halved(const struct emission *e)
+/* Are there kernels for the sides of a base (plan/grid/hands/base_sides.h)? */
+static inline int emit_has_sides(const struct emission *e)
 {
-	return !e->request->is_forward && base_limbs_are(e->parts, e->part_count, e->tree);
+	return !e->request->is_forward && base_sides_are(e->parts, e->part_count, e->tree);
 }
 
 /* How many kernels hands have; how many parts the kernel `level` of these has; what it is called after the function. */

@@ -122,12 +122,12 @@ static void put_function(const struct emission *e, const struct function *p, str
    sample, no relay with blocks of more samples than a warp's, or no limbs of two kernels, is not to launch some of the kernels
    alone, a part, half of the threads, or other blocks. */
 enum { VERSION = 3, VERSION_RELAY, VERSION_HANDS, VERSION_STARTS, VERSION_LEVELS, VERSION_THREADS, VERSION_WIDE,
-	VERSION_TRANSPOSED, VERSION_STAGES };
+	VERSION_TRANSPOSED, VERSION_ROUNDS };
 
 static int version_of(const struct emission *e)
 {
-	if (e->stages)
-		return VERSION_STAGES;
+	if (e->rounds)
+		return VERSION_ROUNDS;
 	if (e->is_transposed)
 		return VERSION_TRANSPOSED;
 	if (emit_each_block(e))

@@ -195,8 +195,8 @@ static void put_parts(const struct emission *e, struct text *out)
 	const struct dag *d = &emit_main(e)->dag;
 
 	if (emit_hands(e) && somewhere(e, is_left))
-		put_entry(d->arguments[parts_handed(d)].name, emit_finds_first(e) ? "what the kernel before has found of the row" :
-			emit_is_halved(e) ? "what the kernel before has left in the row" : "what a hand left in the row of the link's joint", out);
+		put_entry(d->arguments[parts_handed(d)].name, emit_finds_first(e) || emit_has_sides(e)
+			? "what a kernel before has left in the row" : "what a hand left in the row of the link's joint", out);
 	if (has_part(e, emit_takes_found))
 		put_entry("handed found mu step", "where qdd and mu stand in the vjp, or in slices; from a row to the next", out);
 	else if (emit_finds_first(e))

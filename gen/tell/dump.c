@@ -61,9 +61,9 @@ void dump_limbs(const struct dumped *d, struct text *out)
 
 	for (int i = 0; i < d->part_count && in_parts; i++)
 		limbs_dump(&d->parts[i].function, out);
-	for (int i = 0; i < FOUND_STAGES && d->stages; i++)
-		limbs_dump(&d->stages[i].function, out);
-	if (!in_parts && !d->stages)
+	for (int i = 0; i < FOUND_ROUNDS && d->rounds; i++)
+		limbs_dump(&d->rounds[i].function, out);
+	if (!in_parts && !d->rounds)
 		limbs_dump(d->functions, out);
 	if (d->relay)
 		limbs_dump(&d->relay->start.function, out);

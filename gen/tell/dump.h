@@ -12,7 +12,7 @@ struct dumped {
 	const struct part *parts;
 	int part_count;
 	const struct relay *relay; /* NULL: there is none */
-	const struct part *stages; /* whose limbs serve small batches; NULL: the function's do */
+	const struct part *rounds; /* whose limbs serve small batches; NULL: the function's do */
 };
 
 typedef void dump_function(const struct dumped *d, struct text *out);

@@ -34,14 +34,14 @@ static void put_hands(const struct emission *e, struct text *out)
 			emit_hands_kernel(e, level), emit_hands_of(e, level));
 }
 
-/* Halves of the limbs of a base. */
-static void put_halves(const struct emission *e, struct text *out)
+/* The sides of a base. */
+static void put_sides(const struct emission *e, struct text *out)
 {
 	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
 
 	text_printf(out, " * %s_%s_launch runs two kernels. %s_%s_hands_kernel makes %s,\n"
-		" * left in rows that %s_%s_kernel reads, before it writes these and all others.\n", name, function, name, function,
-		e->parts->what, name, function);
+		" * left in rows that %s_%s_kernel reads, before it writes these and all others.\n",
+		name, function, name, function, e->parts->what, name, function);
 }
 
 /* What a kernel's parts make, each thing once. */
@@ -59,8 +59,8 @@ static void put_found(const struct emission *e, struct text *out)
 	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
 	int levels = emit_hand_levels(e), first = 0;
 
-	text_printf(out, " * %s_%s_launch runs %d kernels, one after the other. In rows of the output each leaves for those after it:\n", name,
-		function, levels + 1);
+	text_printf(out, " * %s_%s_launch runs %d kernels, one after the other. In rows of the output each leaves for those after it:\n",
+		name, function, levels + 1);
 	for (int level = 0; level < levels; level++) {
 		int count = emit_hands_of(e, level);
 
@@ -92,13 +92,14 @@ static void put_limbs(const struct emission *e, const char *start, const struct 
 		s->most, name, function, name, function, start, s->warps);
 }
 
-static void put_stages(const struct emission *e, struct text *out)
+static void put_rounds(const struct emission *e, struct text *out)
 {
 	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
 
 	text_printf(out, " * Up to %u samples %s_%s_launch takes two other kernels, %s_%s_start_limbs and then\n"
-		" * %s_%s_limbs, of which %d and %d warps share out each sample.\n", emit_limbs_of(e)->most, name, function, name, function,
-		name, function, emit_start_limbs(e)->warps, emit_limbs_of(e)->warps);
+		" * %s_%s_limbs, of which %d and %d warps share out each sample.\n",
+		emit_limbs_of(e)->most, name, function, name, function, name, function, emit_start_limbs(e)->warps,
+		emit_limbs_of(e)->warps);
 }
 
 static void put_loops(const struct emission *e, struct text *out)
@@ -119,8 +120,8 @@ void emit_kernels_head(const struct emission *e, struct text *out)
 		put_relay(e, out);
 	if (emit_finds_mu(e))
 		put_found(e, out);
-	else if (emit_is_halved(e))
-		put_halves(e, out);
+	else if (emit_has_sides(e))
+		put_sides(e, out);
 	else if (emit_finds_base(e))
 		put_base(e, out);
 	else if (emit_hands(e))
@@ -141,10 +142,10 @@ void emit_kernels_head(const struct emission *e, struct text *out)
 			emit_main(e)->algorithm->name, emit_joints_again(e));
 	if (emit_loops(e))
 		put_loops(e, out);
-	if (e->stages)
-		put_stages(e, out);
-	if (emit_has_limbs(e) && !e->stages)
+	if (e->rounds)
+		put_rounds(e, out);
+	if (emit_has_limbs(e) && !e->rounds)
 		put_limbs(e, "", emit_limbs_of(e), out);
-	if (emit_start_limbs(e) && !e->stages)
+	if (emit_start_limbs(e) && !e->rounds)
 		put_limbs(e, "start_", emit_start_limbs(e), out);
 }

@@ -81,7 +81,7 @@ static void put_warp(const struct emission *e, const struct function *p, int war
 	template_expand(out, rest, slots, count);
 }
 
-/* What a kernel's warps run: the parts of the text, a stage of it, or a relay's first function. */
+/* What a kernel's warps run: the parts of the text, a round of it, or a relay's first function. */
 struct crew {
 	const struct function *named; /* the kernel is named after it, and, unless it has parts, runs it */
 	int is_start, count;
@@ -90,14 +90,14 @@ struct crew {
 
 static struct crew own_crew(const struct emission *e)
 {
-	if (e->stages)
-		return (struct crew){&e->stages[FOUND_REST].function, 0, 1, "RNEA_LIMBS"};
+	if (e->rounds)
+		return (struct crew){&e->rounds[FOUND_REST].function, 0, 1, "RNEA_LIMBS"};
 	return (struct crew){emit_main(e), 0, emit_is_apart(e) ? 1 : emit_part_places(e), "RNEA_LIMBS"};
 }
 
 static struct crew start_crew(const struct emission *e)
 {
-	return (struct crew){e->stages ? &e->stages[FOUND_START].function : &e->relay->start.function, 1, 1, "RNEA_START_LIMBS"};
+	return (struct crew){e->rounds ? &e->rounds[FOUND_START].function : &e->relay->start.function, 1, 1, "RNEA_START_LIMBS"};
 }
 
 static const struct function *crew_function(const struct emission *e, const struct crew *c, int k)
@@ -136,8 +136,8 @@ int emit_has_limbs(const struct emission *e)
 
 const struct limbs *emit_start_limbs(const struct emission *e)
 {
-	if (e->stages)
-		return &e->stages[FOUND_START].function.limbs;
+	if (e->rounds)
+		return &e->rounds[FOUND_START].function.limbs;
 	return e->relay && emit_has_limbs(e) && e->relay->start.function.limbs.warps ? &e->relay->start.function.limbs : NULL;
 }
 
@@ -177,8 +177,8 @@ static const char *cases_text(const struct emission *e, const struct crew *c)
 
 const struct limbs *emit_limbs_of(const struct emission *e)
 {
-	if (e->stages)
-		return &e->stages[FOUND_REST].function.limbs;
+	if (e->rounds)
+		return &e->rounds[FOUND_REST].function.limbs;
 	return emit_is_apart(e) ? &emit_main(e)->limbs : &emit_part(e, 0)->limbs;
 }
 
@@ -281,20 +281,20 @@ static const char *launch_text(const struct emission *e, const struct crew *c, c
 	return template_text(e->arena, template_launch_limbs_in, slots, sizeof slots / sizeof *slots);
 }
 
-/* Of two stages, one after the other. */
-static const char *launch_stages(const struct emission *e)
+/* Of two rounds, one after the other. */
+static const char *launch_rounds(const struct emission *e)
 {
 	const struct crew start = start_crew(e), rest = own_crew(e);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", rest.named->algorithm->name},
 		{"ROOM", text_format(e->arena, "%s%s", room_text(e, &start), room_text(e, &rest))}};
 
-	return template_text(e->arena, template_launch_limb_stages_in, slots, sizeof slots / sizeof *slots);
+	return template_text(e->arena, template_launch_limb_rounds_in, slots, sizeof slots / sizeof *slots);
 }
 
 const char *emit_launch_limbs(const struct emission *e)
 {
-	if (e->stages)
-		return launch_stages(e);
+	if (e->rounds)
+		return launch_rounds(e);
 	if (!emit_has_limbs(e))
 		return "";
 	const struct crew own = own_crew(e);

@@ -32,7 +32,7 @@ static int slots_of(const struct function *p)
 
 int emit_is_start(const struct emission *e, const struct function *p)
 {
-	if (e->stages && p == &e->stages[FOUND_START].function)
+	if (e->rounds && p == &e->rounds[FOUND_START].function)
 		return 1;
 	if (!e->relay)
 		return 0;

@@ -98,9 +98,9 @@ enum { MOST_BESIDE_AGAIN = 2048 };
    8192: floating atlas 22 and 42, 25 and 47, g1_29dof 31 and 45, 42 and 51, in aos 32 and 45, 64 and 51. */
 enum { MOST_BESIDE_BASE = 4096 };
 
-/* Beside halves of the limbs of a base (grid/hands/base_limbs.c). H200, tau and vjp, us by limbs and by halves: f64, 1024, 4096 and
+/* Beside the sides of a base (grid/hands/base_sides.c). H200, tau and vjp, us by limbs and in sides: f64, 1024, 4096 and
    8192 samples, floating atlas 13 28, 22 32, 42 and less than 54; f32, 256 and 1024, floating jvrc1 13 18, and less than 20. */
-enum { MOST_BESIDE_HALVES_F64 = 4096, MOST_BESIDE_HALVES = 1024 };
+enum { MOST_BESIDE_SIDES_F64 = 4096, MOST_BESIDE_SIDES = 1024 };
 
 /* Outputs that go through windows have no limbs, whose warps would write elements that stand a sample apart (64 to 4096 samples,
    both gradients of hyq, whole matrices: 21 us, through windows 8.6). */
@@ -358,7 +358,7 @@ void limbs_beside_base(struct limbs *s)
 		s->most = MOST_BESIDE_BASE;
 }
 
-void limbs_beside_halves(struct limbs *s, const struct rneagen_options *o)
+void limbs_beside_sides(struct limbs *s, const struct rneagen_options *o)
 {
-	s->most = number_bytes(o) == 8 ? MOST_BESIDE_HALVES_F64 : MOST_BESIDE_HALVES;
+	s->most = number_bytes(o) == 8 ? MOST_BESIDE_SIDES_F64 : MOST_BESIDE_SIDES;
 }

@@ -12,8 +12,8 @@ int limbs_choose(struct function *const *functions, int count, const struct rnea
    are as fast. */
 void limbs_beside_parts(struct limbs *s, int parts, const struct request *k, const struct rneagen_options *o);
 
-/* Beside halves of the limbs of a base that moves (plan/grid/hands/base_limbs.c). */
-void limbs_beside_halves(struct limbs *s, const struct rneagen_options *o);
+/* Beside the sides of a base that moves (plan/grid/hands/base_sides.c). */
+void limbs_beside_sides(struct limbs *s, const struct rneagen_options *o);
 
 /* Beside kernels that make the base's acceleration first (plan/grid/base_first.h): for more samples. */
 void limbs_beside_base(struct limbs *s);

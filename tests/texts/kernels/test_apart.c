@@ -69,7 +69,7 @@ static const struct subject {
 	{"limbs 1 10", "vjp qdd\nfree payload.l0_6:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {1}, 1},
 	{"limbs 3 8", "vjp qdd\nfree gravity\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 3, {3}, 1},
 	{"hyq", "vjp qdd\nfold tau=0\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1}, 0},
-	{"atlas", "vjp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1, 2, 1}, 0}, /* the base's rows first, and halves of the limbs */
+	{"atlas", "vjp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1, 2, 1}, 0}, /* the base's rows first, and the sides of the base */
 	{"g1_29dof", "vjp qdd\nfree gravity:batch\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1, 2, 1}, 1},
 	{"atlas", "vjp qdd\n", RNEAGEN_F32, RNEAGEN_SOA, 1, 1, {1}, 1},
 	/* qdd, then what its jvp is M^-1 of */
@@ -83,7 +83,7 @@ static const struct subject {
 	{"atlas", "want qdd\n", RNEAGEN_F64, RNEAGEN_AOS, 1, 2, {1}, 1},
 	{"g1_29dof", "want qdd\nfree payload.left_ankle_roll_link:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 2, {1}, 1},
 	{"g1_29dof", "want qdd\nfold qd=0\nfree gravity:batch\n", RNEAGEN_F64, RNEAGEN_AOS, 1, 2, {1}, 1},
-	/* halves of the limbs of a base */
+	/* sides of a base */
 	{"atlas", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1}, 0},
 	{"g1_29dof", "want tau,vjp\nfree payload.left_ankle_roll_link:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1}, 1},
 	{"g1_29dof", "want vjp\nfree gravity:batch\nfext left_ankle_roll_link,pelvis\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1}, 1},
@@ -119,7 +119,7 @@ static const struct subject WHOLE[] = {
 	{"hyq", "jvp qdd\n", RNEAGEN_F64, RNEAGEN_AOS, 1, 1, {0}, 1},
 	{"panda", "jvp qdd\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, {0}, 1},
 	{"hyq", "want qdd\njvp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {0}, 1},
-	{"atlas", "want tau,vjp\n", RNEAGEN_F32, RNEAGEN_SOA, 1, 1, {0}, 1}, /* halves gain little */
+	{"atlas", "want tau,vjp\n", RNEAGEN_F32, RNEAGEN_SOA, 1, 1, {0}, 1}, /* sides gain little */
 	{"g1_29dof", "want qdd,qdd_bound\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {0}, 0},
 	{"chain_75", "", RNEAGEN_F32, RNEAGEN_AOS, 0, 1, {0}, 1}, /* parts would be staged, and leave rows of their slices unwritten */
 };
@@ -228,7 +228,7 @@ static int finds_first(const struct subject *s)
 	return s->hands[0] && (strstr(s->scene, "vjp qdd") || strstr(s->scene, "jvp qdd"));
 }
 
-static int is_halved(const struct subject *s)
+static int has_sides(const struct subject *s)
 {
 	return s->hands[0] && s->floating && strstr(s->scene, "want") && strstr(s->scene, "vjp");
 }
@@ -239,7 +239,7 @@ static int finds_base(const struct subject *s)
 }
 
 /* Up to fewer samples beside several parts of accelerations and of vjp, but where the base's acceleration comes first, and beside
-   halves; of what finds qdd first two kernels, for as many samples. */
+   sides of a base; of what finds qdd first two kernels, for as many samples. */
 static void expect_limbs(const struct subject *s, const char *source)
 {
 	const char *line = strstr(source, "\"whole_limbs ");
@@ -256,7 +256,7 @@ static void expect_limbs(const struct subject *s, const char *source)
 		ck_assert_ptr_nonnull(line = strstr(source, "\"start_limbs "));
 		ck_assert_int_eq(sscanf(line, "\"start_limbs %*u %*u %*u %u", &start), 1);
 		ck_assert_uint_eq(start, most);
-	} else if (finds_base(s) || is_halved(s))
+	} else if (finds_base(s) || has_sides(s))
 		ck_assert_uint_ge(most, 4096);
 	else if ((s->parts > 1 && (strstr(s->scene, "qdd") || strstr(s->scene, "vjp"))))
 		ck_assert_uint_le(most, 256);
@@ -299,9 +299,9 @@ static void expect_text(const struct subject *s, const char *source)
 		: s->parts > 1 || s->hands[0] ? "limbs that share nothing with the others"
 								   : "the whole, where some of the motion is made again"));
 	ck_assert_int_eq(strstr(source, " = RNEA_READ_ANEW(") != NULL, strstr(s->scene, "vjp") != NULL && s->precision == RNEAGEN_F64 &&
-		(strcmp(s->name, "atlas") || finds_first(s) || is_halved(s)));
+		(strcmp(s->name, "atlas") || finds_first(s) || has_sides(s)));
 	ck_assert_int_eq(strstr(source, " In rows of the output each leaves for those after it:") != NULL, finds_first(s));
-	ck_assert_int_eq(strstr(source, " * left in rows that ") != NULL, is_halved(s));
+	ck_assert_int_eq(strstr(source, " * left in rows that ") != NULL, has_sides(s));
 	ck_assert_int_eq(strstr(source, "_fd_kernel reads it from there and makes those ") != NULL, finds_base(s));
 	expect_launches(s, source);
 	expect_limbs(s, source);
@@ -323,7 +323,7 @@ START_TEST(test_values)
 	one = launched_run(launched_open(&whole, RNEA_BACKEND_HOST, 0), COUNT, SEED, s->floating);
 	if (finds_first(s)) /* by limbs, where there are some for so many samples */
 		check(s, &parts, RNEA_BACKEND_CUDA, 0, &one);
-	if (finds_first(s) || finds_base(s) || is_halved(s)) { /* the limbs' kernel would take so few samples */
+	if (finds_first(s) || finds_base(s) || has_sides(s)) { /* the limbs' kernel would take so few samples */
 		rneagen_result_free(&parts.text);
 		o.limbs = RNEAGEN_LIMBS_NONE;
 		generate(s, &o, &parts);

@@ -19,15 +19,15 @@ enum { LONG = 8200 };
 
 /* What is made one after the other: of a vjp qdd and mu, then the rest; of a jvp qdd, then what tau changes by while qdd stands
    still, then M^-1 of that. */
-enum { MOST_STAGES = 3 };
+enum { MOST_ROUNDS = 3 };
 
-struct stage {
+struct round {
 	const char *what;
 	int is_forward; /* accelerations; else torques with their product */
 };
 
-static const struct stage OF_VJP[] = {{"qdd, and M^-1 of the weights", 1}, {"the rest, where both are found", 0}},
-	OF_JVP[MOST_STAGES] = {{"qdd", 1}, {"what tau changes by where qdd stands still", 0}, {"M^-1 of that", 1}};
+static const struct round OF_VJP[] = {{"qdd, and M^-1 of the weights", 1}, {"the rest, where both are found", 0}},
+	OF_JVP[MOST_ROUNDS] = {{"qdd", 1}, {"what tau changes by where qdd stands still", 0}, {"M^-1 of that", 1}};
 
 /* One of them on its way to parts. */
 struct made {
@@ -38,10 +38,10 @@ struct made {
 
 /* All parts so far, of kernels one after the other. */
 struct chain {
-	const struct stage *stages;
-	int stage_count;
-	struct dag dags[MOST_STAGES];
-	struct made made[MOST_STAGES];
+	const struct round *rounds;
+	int round_count;
+	struct dag dags[MOST_ROUNDS];
+	struct made made[MOST_ROUNDS];
 	struct part *parts;
 	int count, level;
 };
@@ -77,27 +77,27 @@ static int is_full(const struct parts_of *x, struct arena *a)
 	return plan_alive(&x->whole->plan, a) > (x->options->precision == RNEAGEN_F32 ? FULL_SINGLE : FULL_DOUBLE);
 }
 
-/* By output, the stage that stores it. The first nv are qdd; of a vjp rows from 2 nv on are mu, of a jvp the next nv are the second
-   stage's. */
-static int *stages_of(const struct dag *d, const struct parts_of *x, struct arena *a)
+/* By output, the round that stores it. The first nv are qdd; of a vjp rows from 2 nv on are mu, of a jvp the next nv are the second
+   round's. */
+static int *rounds_of(const struct dag *d, const struct parts_of *x, struct arena *a)
 {
-	int nv = x->tree->nv, *stage = arena_alloc(a, d->output_count + 1, sizeof *stage);
+	int nv = x->tree->nv, *round = arena_alloc(a, d->output_count + 1, sizeof *round);
 
-	for (int i = 0; i < (int)d->output_count && stage; i++)
-		stage[i] = product_of(x) == WANT_JVP ? i / nv : i >= nv && d->outputs[i].row < 2 * nv;
-	return stage;
+	for (int i = 0; i < (int)d->output_count && round; i++)
+		round[i] = product_of(x) == WANT_JVP ? i / nv : i >= nv && d->outputs[i].row < 2 * nv;
+	return round;
 }
 
-int found_stages(struct dag *dags, int count, const struct parts_of *x, enum handed handed, struct arena *a)
+int found_rounds(struct dag *dags, int count, const struct parts_of *x, enum handed handed, struct arena *a)
 {
 	struct dag raw;
 	struct share share;
-	const int *stage;
+	const int *round;
 
 	dag_init(&raw, a);
 	algorithm_build_handed(&raw, x->tree, x->request, handed);
-	stage = raw.failed ? NULL : stages_of(&raw, x, a);
-	if (!stage || !share_begin(&share, &raw, stage, a))
+	round = raw.failed ? NULL : rounds_of(&raw, x, a);
+	if (!round || !share_begin(&share, &raw, round, a))
 		return 0;
 	for (int i = 0; i < count; i++) {
 		share_copy(&share, i, i + 1, &dags[i], a);
@@ -121,19 +121,19 @@ static int begin(struct chain *c, const struct parts_of *x, struct arena *spare,
 {
 	int is_jvp = product_of(x) == WANT_JVP;
 
-	c->stages = is_jvp ? OF_JVP : OF_VJP;
-	c->stage_count = is_jvp ? 3 : 2;
-	c->parts = arena_alloc(a, (size_t)c->stage_count * ((size_t)x->tree->nv + 1), sizeof *c->parts);
-	if (!c->parts || !found_stages(c->dags, c->stage_count, x, HANDED_ALL, spare))
+	c->rounds = is_jvp ? OF_JVP : OF_VJP;
+	c->round_count = is_jvp ? 3 : 2;
+	c->parts = arena_alloc(a, (size_t)c->round_count * ((size_t)x->tree->nv + 1), sizeof *c->parts);
+	if (!c->parts || !found_rounds(c->dags, c->round_count, x, HANDED_ALL, spare))
 		return 0;
 	if (is_jvp)
 		rename_found(&c->dags[2]);
-	for (int i = 0; i < c->stage_count; i++) {
+	for (int i = 0; i < c->round_count; i++) {
 		struct made *m = &c->made[i];
 
 		m->request = *x->request;
 		m->request.is_forward = 0;
-		if (c->stages[i].is_forward)
+		if (c->rounds[i].is_forward)
 			m->request = request_of_accelerations(x->request, &m->qdd);
 		m->of = *x;
 		m->of.raw = &c->dags[i];
@@ -142,15 +142,15 @@ static int begin(struct chain *c, const struct parts_of *x, struct arena *spare,
 	return 1;
 }
 
-/* ---- parts of a stage ---- */
+/* ---- parts of a round ---- */
 
 /* In aos outputs stand in the places of inputs: qdd where q was, mu where tau was, and what it leaves for the vjp by qd is
    written over. */
-static int set_rows(struct part *p, int stage, const struct parts_of *x, struct arena *a)
+static int set_rows(struct part *p, int round, const struct parts_of *x, struct arena *a)
 {
 	int nv = x->options->layout == RNEAGEN_AOS ? x->tree->nv : 0;
 
-	return apart_set_rows(p, stage > 0 && nv ? stretches_make_found : stretches_make, nv, x, a);
+	return apart_set_rows(p, round > 0 && nv ? stretches_make_found : stretches_make, nv, x, a);
 }
 
 static int is_together(const struct dag *d, const struct rneagen_options *o)
@@ -158,16 +158,16 @@ static int is_together(const struct dag *d, const struct rneagen_options *o)
 	return o->layout == RNEAGEN_AOS && o->precision == RNEAGEN_F32 && plan_flops(plan_operations_of(d, 0, d->count)) <= LONG;
 }
 
-static int finish(struct part *p, int stage, const struct parts_of *x, struct arena *spare, struct arena *a)
+static int finish(struct part *p, int round, const struct parts_of *x, struct arena *spare, struct arena *a)
 {
-	return turns_delay_stores(&p->function.plan, spare) && set_rows(p, stage, x, a);
+	return turns_delay_stores(&p->function.plan, spare) && set_rows(p, round, x, a);
 }
 
 /* In parts where limbs share nothing: of `d`, from parts[first] on. Returns how many there are; 0 when memory runs out. */
 static int make_limbs(
-	struct chain *c, int stage, const struct dag *d, int first, struct arena *spare, struct arena *a)
+	struct chain *c, int round, const struct dag *d, int first, struct arena *spare, struct arena *a)
 {
-	const struct parts_of *x = &c->made[stage].of;
+	const struct parts_of *x = &c->made[round].of;
 	int *owner = arena_alloc(spare, d->output_count + 1, sizeof *owner), count;
 	struct share share;
 
@@ -177,21 +177,21 @@ static int make_limbs(
 	for (int i = 0; i < count; i++) {
 		struct part *p = &c->parts[first + i];
 
-		if (!apart_build(p, &share, i, first + i, c->stages[stage].what, x, a) || !finish(p, stage, x, spare, a))
+		if (!apart_build(p, &share, i, first + i, c->rounds[round].what, x, a) || !finish(p, round, x, spare, a))
 			return 0;
 	}
 	return count;
 }
 
-/* How a stage is made: so many parts of a kernel before, and of another one. */
+/* How a round is made: so many parts of a kernel before, and of another one. */
 struct kernels {
 	int before, main;
 };
 
 /* The base's rows first, where that serves: k->before is 0 where it does not. Returns 0 when memory runs out. */
-static int divide(struct kernels *k, struct chain *c, int stage, struct arena *spare, struct arena *a)
+static int divide(struct kernels *k, struct chain *c, int round, struct arena *spare, struct arena *a)
 {
-	const struct parts_of *x = &c->made[stage].of;
+	const struct parts_of *x = &c->made[round].of;
 	struct part whole;
 	int count = 0;
 
@@ -199,16 +199,16 @@ static int divide(struct kernels *k, struct chain *c, int stage, struct arena *s
 		return 1;
 	memset(&whole, 0, sizeof whole);
 	if (!part_build(&whole, x->raw, "", "", x, spare) || !part_order(&whole, ORDERED_PART, x, spare) ||
-		!base_first_divide(c->parts + c->count, &count, c->count, x->raw, c->stages[stage].what, whole.alive, x, spare, a))
+		!base_first_divide(c->parts + c->count, &count, c->count, x->raw, c->rounds[round].what, whole.alive, x, spare, a))
 		return 0;
 	*k = (struct kernels){count > 0, count - (count > 0)};
 	return 1;
 }
 
-/* Half of the limbs first, which hand on sums to the other half and the base, where that serves. */
-static int make_hands(struct kernels *k, struct chain *c, int stage, struct arena *spare, struct arena *a)
+/* One side of the base first, which hands on sums to the other one and the base, where that serves. */
+static int make_hands(struct kernels *k, struct chain *c, int round, struct arena *spare, struct arena *a)
 {
-	const struct parts_of *x = &c->made[stage].of;
+	const struct parts_of *x = &c->made[round].of;
 	struct hands h;
 
 	if (!hands_find(&h, x, spare))
@@ -218,32 +218,32 @@ static int make_hands(struct kernels *k, struct chain *c, int stage, struct aren
 	if (!apart_make_hands(c->parts + c->count, c->count, &h, x, spare, a))
 		return 0;
 	for (int i = 0; i < h.count; i++)
-		if (!finish(&c->parts[c->count + i], stage, x, spare, a))
+		if (!finish(&c->parts[c->count + i], round, x, spare, a))
 			return 0;
-	*k = (struct kernels){h.count, make_limbs(c, stage, &h.levels->rest, c->count + h.count, spare, a)};
+	*k = (struct kernels){h.count, make_limbs(c, round, &h.levels->rest, c->count + h.count, spare, a)};
 	return k->main;
 }
 
-static int make_kernels(struct kernels *k, struct chain *c, int stage, struct arena *spare, struct arena *a)
+static int make_kernels(struct kernels *k, struct chain *c, int round, struct arena *spare, struct arena *a)
 {
-	const struct parts_of *x = &c->made[stage].of;
+	const struct parts_of *x = &c->made[round].of;
 
 	*k = (struct kernels){0};
 	if (x->options->layout == RNEAGEN_SOA && base_is_free(x->tree) &&
-		!(c->stages[stage].is_forward ? divide : make_hands)(k, c, stage, spare, a))
+		!(c->rounds[round].is_forward ? divide : make_hands)(k, c, round, spare, a))
 		return 0;
 	if (!k->before)
-		k->main = make_limbs(c, stage, &c->dags[stage], c->count, spare, a);
+		k->main = make_limbs(c, round, &c->dags[round], c->count, spare, a);
 	return k->main;
 }
 
-static int add_stage(struct chain *c, int stage, struct arena *spare, struct arena *a)
+static int add_round(struct chain *c, int round, struct arena *spare, struct arena *a)
 {
-	int is_last = stage == c->stage_count - 1;
+	int is_last = round == c->round_count - 1;
 	struct part *p = c->parts + c->count;
 	struct kernels k;
 
-	if (!make_kernels(&k, c, stage, spare, a))
+	if (!make_kernels(&k, c, round, spare, a))
 		return 0;
 	for (int i = 0; i < k.before + k.main; i++) {
 		p[i].is_before = i < k.before || !is_last;
@@ -254,12 +254,12 @@ static int add_stage(struct chain *c, int stage, struct arena *spare, struct are
 	return 1;
 }
 
-/* Are rows read before others are written in their places? A stage's rows may be those of two stages before. */
+/* Are rows read before others are written in their places? A round's rows may be those of two rounds before. */
 static int are_in_order(int *are, const struct part *parts, int count, const struct parts_of *x, struct arena *a)
 {
 	const struct dag *d = &x->whole->dag;
 
-	*are = turns_serve(parts, count, d->arguments[parts_handed(d)].rows, MOST_STAGES, a);
+	*are = turns_serve(parts, count, d->arguments[parts_handed(d)].rows, MOST_ROUNDS, a);
 	for (int i = 0, serves; i < count && *are; i++) {
 		if (!places_serve(&serves, &parts[i].function, parts[i].function.stretches, a))
 			return 0;
@@ -277,8 +277,8 @@ int found_make(struct part **parts, int *count, const struct parts_of *x, struct
 		return !spare->failed;
 	if (!begin(&c, x, spare, a))
 		return 0;
-	for (int i = 0; i < c.stage_count; i++)
-		if (!add_stage(&c, i, spare, a))
+	for (int i = 0; i < c.round_count; i++)
+		if (!add_round(&c, i, spare, a))
 			return 0;
 	if (!are_in_order(&are, c.parts, c.count, x, spare))
 		return 0;

@@ -8,7 +8,7 @@
    the rows of the jvp. So nothing of M and its factors waits while the motion is gone over, nor motion while M is factored.
 
    Where the base moves, in f64 and in soa, a kernel that finds accelerations may be two, the base's own first (base_first.h), and
-   one of torques two, one for each half of the limbs (hands/base_limbs.c). */
+   one of torques two, one for each side of the base (hands/base_sides.h). */
 
 #include "dynamics/registry.h"
 #include "plan/grid/parts.h"
@@ -16,8 +16,8 @@
 /* *count is 0 where that does not serve: another request, or one that holds little at once. Returns 0 when memory runs out. */
 int found_make(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a);
 
-/* DAGs of the first `count` stages, each a kernel or two. Returns 0 when memory runs out. */
-int found_stages(struct dag *dags, int count, const struct parts_of *x, enum handed handed, struct arena *a);
+/* DAGs of the first `count` rounds, each a kernel or two. Returns 0 when memory runs out. */
+int found_rounds(struct dag *dags, int count, const struct parts_of *x, enum handed handed, struct arena *a);
 
 /* Are these such kernels? */
 int found_is(const struct part *parts, int count, const struct request *k);

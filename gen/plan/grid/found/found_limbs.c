@@ -70,35 +70,35 @@ static void wait_for_readings(struct limbs *s)
 	s->groups = 1;
 }
 
-static int build(struct part *stages, struct dag *dags, const struct parts_of *x, struct arena *a)
+static int build(struct part *rounds, struct dag *dags, const struct parts_of *x, struct arena *a)
 {
-	const char *whole = x->whole->algorithm->name, *const names[FOUND_STAGES] = {text_format(a, "%s_start", whole), whole};
-	static const char *const DOCS[FOUND_STAGES] = {"What is found first.", "The rest, where that is found."};
+	const char *whole = x->whole->algorithm->name, *const names[FOUND_ROUNDS] = {text_format(a, "%s_start", whole), whole};
+	static const char *const DOCS[FOUND_ROUNDS] = {"What is found first.", "The rest, where that is found."};
 
-	for (int i = 0; i < FOUND_STAGES; i++) {
-		struct function *p = &stages[i].function;
+	for (int i = 0; i < FOUND_ROUNDS; i++) {
+		struct function *p = &rounds[i].function;
 
-		if (!part_build(&stages[i], &dags[i], names[i], DOCS[i], x, a) || !limbs_choose(&p, 1, x->options, a))
+		if (!part_build(&rounds[i], &dags[i], names[i], DOCS[i], x, a) || !limbs_choose(&p, 1, x->options, a))
 			return 0;
 	}
 	return 1;
 }
 
-int found_limbs_make(struct part **stages, const struct part *parts, int count, const struct parts_of *x, struct arena *a)
+int found_limbs_make(struct part **rounds, const struct part *parts, int count, const struct parts_of *x, struct arena *a)
 {
-	struct part *made = arena_alloc(a, FOUND_STAGES, sizeof *made);
+	struct part *made = arena_alloc(a, FOUND_ROUNDS, sizeof *made);
 	struct limbs *start = &made[FOUND_START].function.limbs, *rest = &made[FOUND_REST].function.limbs;
 	struct arena spare;
-	struct dag dags[FOUND_STAGES];
+	struct dag dags[FOUND_ROUNDS];
 	int done;
 
-	*stages = NULL;
+	*rounds = NULL;
 	arena_init(&spare, x->options->allocator);
-	done = made && found_stages(dags, FOUND_STAGES, x, HANDED_FOUND, &spare) && build(made, dags, x, a);
+	done = made && found_rounds(dags, FOUND_ROUNDS, x, HANDED_FOUND, &spare) && build(made, dags, x, a);
 	if (done && start->warps && rest->warps) {
 		wait_for_readings(rest);
 		start->most = rest->most = most_samples(start->longest + rest->longest, kernels_beside(parts, count), x->options);
-		*stages = made;
+		*rounds = made;
 	}
 	done = done && !spare.failed;
 	arena_free(&spare);

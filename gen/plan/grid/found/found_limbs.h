@@ -5,10 +5,10 @@
 
 #include "plan/grid/parts.h"
 
-enum { FOUND_START, FOUND_REST, FOUND_STAGES };
+enum { FOUND_START, FOUND_REST, FOUND_ROUNDS };
 
-/* FOUND_STAGES functions with their limbs, beside parts of found.h; NULL where one of them has none. Returns 0 when memory
+/* FOUND_ROUNDS functions with their limbs, beside parts of found.h; NULL where one of them has none. Returns 0 when memory
    runs out. */
-int found_limbs_make(struct part **stages, const struct part *parts, int count, const struct parts_of *x, struct arena *a);
+int found_limbs_make(struct part **rounds, const struct part *parts, int count, const struct parts_of *x, struct arena *a);
 
 #endif

@@ -9,7 +9,7 @@ struct finder {
 	const struct dag *d;
 	struct hands *h;
 	struct arena *a;
-	int is_base;          /* hands are limbs of a base that moves freely (base_limbs.c) */
+	int is_base;          /* hands are limbs of a base that moves freely (base_sides.c) */
 	int *children;        /* by body */
 	unsigned char *taken; /* by body: 1 + the level of the hand that has it */
 	unsigned char *rows;  /* by row of the last array: it belongs to a hand, or is taken by what one hands on */

@@ -1,4 +1,4 @@
-#include "plan/grid/hands/base_limbs.h"
+#include "plan/grid/hands/base_sides.h"
 #include "plan/grid/hands/finder.h"
 #include "plan/readings.h"
 #include <string.h>
@@ -57,12 +57,9 @@ static int row_of(const struct finder *f, size_t i)
 
 /* Rows of the arm for what is handed on, one for each joint, of a vjp three: those that are written last, which are nearest to
    the hand for torques, and farthest for a vjp, whose lines go by rows. Returns 0 where there are too few. */
-static int choose_rows(struct finder *f, struct hand *m, const unsigned char *own)
+static int choose_rows(struct finder *f, struct hand *m)
 {
 	const struct tree *t = f->x->tree;
-
-	if (f->is_base)
-		return base_limbs_rows(f, m, own);
 	int *arm = arena_alloc(f->a, (size_t)t->body_count, sizeof *arm), joints = 0, count = 0;
 
 	for (int k = m->body; k >= 0 && arm; k = t->bodies[k].parent)
@@ -143,7 +140,8 @@ static int cut_hand(struct finder *f, struct hand *m, unsigned char *own)
 	mark_meetings(f);
 	if (!cut_find(&m->cut, d, f->meets, f->to, f->a))
 		return 0;
-	if (!choose_rows(f, m, own) || operations_of(f, m, own) < (is_product(f) ? LEAST_HAND_PRODUCT : LEAST_HAND))
+	if (!(f->is_base ? base_sides_rows(f, m, own) : choose_rows(f, m)) ||
+		operations_of(f, m, own) < (is_product(f) ? LEAST_HAND_PRODUCT : LEAST_HAND))
 		m->cut.count = 0;
 	return 1;
 }
@@ -281,7 +279,7 @@ static int may_have(struct hands *h, const struct parts_of *x, struct arena *a)
 {
 	const struct rneagen_options *o = x->options;
 
-	if (o->strict || (o->precision == RNEAGEN_F32 && o->layout == RNEAGEN_AOS) || (x->tree->nq != x->tree->nv && !base_limbs_may(x)) ||
+	if (o->strict || (o->precision == RNEAGEN_F32 && o->layout == RNEAGEN_AOS) || (x->tree->nq != x->tree->nv && !base_sides_may(x)) ||
 		!has_rows(x, plan_flops(plan_operations(&x->whole->plan))))
 		return 0;
 	h->is_full = plan_alive(&x->whole->plan, a) > FULL;
@@ -328,8 +326,8 @@ int hands_find(struct hands *h, const struct parts_of *x, struct arena *a)
 	f.rows = arena_alloc(a, rows, 1);
 	f.is_base = h->is_base = x->tree->nq != x->tree->nv;
 	if (!a->failed && f.is_base)
-		base_limbs_bar(&f);
-	if (a->failed || !find_level(&f, f.is_base ? base_limbs_find : find_branches, own))
+		base_sides_bar(&f);
+	if (a->failed || !find_level(&f, f.is_base ? base_sides_find : find_branches, own))
 		return 0;
 	if (f.is_base)
 		return 1;

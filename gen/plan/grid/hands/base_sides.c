@@ -1,13 +1,13 @@
 /* The limbs of a base that moves freely meet in the base alone: a vjp takes of each what a hand hands on, sums of a few numbers. So
-   some half of the limbs are a hand, and what is left is shorter than the instruction cache, and holds less. */
-#include "plan/grid/hands/base_limbs.h"
+   the limbs are on two sides, of which one is a hand, and what is left is shorter than the instruction cache, and holds less. */
+#include "plan/grid/hands/base_sides.h"
 #include "plan/grid/base_first.h"
 #include "plan/grid/hands/finder.h"
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Operations of both halves. H200, ps for each of a million samples, and us of 16384, as one part and as halves: f64, tau and vjp:
+/* Operations of both sides. H200, ps for each of a million samples, and us of 16384, as one part and in two sides: f64, tau and vjp:
    simple_humanoid, 5479, 925 and 816 (20, 21), anymal_kinova, 5541, 605 and 950 (15, 27), atlas, 7641, 5150 and 1820 (106, 54),
    g1_29dof, 8359, 3160 and 1050 (69, 43), romeo, 8562, 3120 and 1210 (68, 44), jvrc1, 10048, 5190 and 3950 (84, 92); f32: atlas
    803 and 579, but 16384 samples 18 and 21, and 4096 16 and 19, jvrc1 1890 and 681 (32, 25). */
@@ -17,10 +17,10 @@ static unsigned operations_of(const struct parts_of *x)
 {
 	unsigned own = plan_flops(plan_operations_of(x->raw, 0, x->raw->count)), whole = plan_flops(plan_operations(&x->whole->plan));
 
-	return own < whole ? own : whole; /* of a stage (found.h), or without what nobody takes */
+	return own < whole ? own : whole; /* of a round (found.h), or without what nobody takes */
 }
 
-int base_limbs_may(const struct parts_of *x)
+int base_sides_may(const struct parts_of *x)
 {
 	unsigned least = x->options->precision == RNEAGEN_F32 ? LEAST_SINGLE : LEAST_DOUBLE;
 
@@ -29,7 +29,7 @@ int base_limbs_may(const struct parts_of *x)
 }
 
 /* A row that no kernel writes, that is always zero, or that one before has left something in. */
-void base_limbs_bar(struct finder *f)
+void base_sides_bar(struct finder *f)
 {
 	const struct dag *d = f->d;
 	int last = parts_handed(d);
@@ -44,7 +44,7 @@ void base_limbs_bar(struct finder *f)
 			f->rows[d->nodes[i].arg[1].i] = 1;
 }
 
-/* The limb with which the second half begins, by rows of qd; the body count where there is one limb. */
+/* The limb with which the second side begins, by rows of qd; the body count where there is one limb. */
 static int middle(const struct tree *t)
 {
 	int best = t->body_count, least = t->nv;
@@ -82,7 +82,7 @@ static unsigned cone(struct finder *f, const struct hand *m, const unsigned char
 	return count;
 }
 
-/* What both kernels take with this half for the hand; UINT_MAX where it is none. Returns 0 when memory runs out. */
+/* What both kernels take with this side for the hand; UINT_MAX where it is none. Returns 0 when memory runs out. */
 static int look(unsigned *operations, struct finder *f, int first, int end, unsigned char *own)
 {
 	struct hand m;
@@ -93,22 +93,22 @@ static int look(unsigned *operations, struct finder *f, int first, int end, unsi
 	return 1;
 }
 
-/* Where the base's sums begin with one half, the other's kernel would make that too. */
-int base_limbs_find(struct finder *f, unsigned char *own)
+/* Where the base's sums begin with one side, the other's kernel would make that too. */
+int base_sides_find(struct finder *f, unsigned char *own)
 {
 	const struct tree *t = f->x->tree;
-	int half = middle(t), end = t->body_count;
+	int second = middle(t), end = t->body_count;
 	unsigned before, beyond;
 
-	if (half == end)
+	if (second == end)
 		return 1;
-	if (!look(&before, f, 1, half, own) || !look(&beyond, f, half, end, own))
+	if (!look(&before, f, 1, second, own) || !look(&beyond, f, second, end, own))
 		return 0;
-	return before < beyond ? finder_try(f, 0, 1, half, own) : finder_try(f, 0, half, end, own);
+	return before < beyond ? finder_try(f, 0, 1, second, own) : finder_try(f, 0, second, end, own);
 }
 
 /* Rows of the base first, which are written last. */
-int base_limbs_rows(struct finder *f, struct hand *m, const unsigned char *own)
+int base_sides_rows(struct finder *f, struct hand *m, const unsigned char *own)
 {
 	int nv = f->x->tree->nv, count = 0, rows = finder_rows(f->d);
 
@@ -119,7 +119,7 @@ int base_limbs_rows(struct finder *f, struct hand *m, const unsigned char *own)
 	return count > 0 && count == m->cut.count;
 }
 
-int base_limbs_are(const struct part *parts, int count, const struct tree *t)
+int base_sides_are(const struct part *parts, int count, const struct tree *t)
 {
 	return count && parts[0].is_before && base_is_free(t);
 }
