@@ -293,7 +293,7 @@ static int is_made_again(const struct build *b)
 
 struct ref want_hand_on(const struct build *b, int row, struct ref value, const char *quantity)
 {
-	int argument = b->outputs[0];
+	int argument = b->handed ? b->outputs[0] : output_of(b, WANT_VJP);
 	const struct tree_joint *j = tree_joint_of_row(b->t, row % b->t->nv);
 	struct ref read = value;
 
