@@ -191,7 +191,7 @@ static enum rneagen_code limbs_make_all(struct generation *g)
 		return a->error->code;
 	if (base_first_is(g->parts, g->part_count, &a->request))
 		limbs_beside_base(&g->functions[0].limbs);
-	else if (base_sides_are(g->parts, g->part_count, &a->tree))
+	else if (base_sides_are(g->parts, g->part_count, &a->tree, &a->request))
 		limbs_beside_sides(&g->functions[0].limbs, &a->options);
 	else if (are_apart)
 		limbs_beside_parts(&g->functions[0].limbs, g->part_count, &a->request, &a->options);

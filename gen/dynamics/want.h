@@ -74,8 +74,8 @@ void want_world(const struct tour *r);
 void want_entered(const struct tour *r, int body);
 void want_leaving(const struct tour *r, int body);
 
-/* Write a row of the first output. What is made of the value: it, or where it is handed on, what is read back from there, which is
-   called by the quantity of the row's joint. */
+/* Write a row of the vjp, or where values are handed on, of the only output. What is made of the value: it, or what is read back
+   from there, which is called by the quantity of the row's joint. */
 struct ref want_hand_on(const struct build *b, int row, struct ref value, const char *quantity);
 
 /* Products of derivatives, want by want: of the torques alone, or of the qdd found alone, when these are made; all others when

@@ -5,6 +5,7 @@
 #include "emit/number_type.h"
 #include "emit/target_type.h"
 #include "plan/grid/base_first.h"
+#include "plan/grid/found/found.h"
 #include "plan/grid/found/found_limbs.h"
 #include "plan/grid/hands/base_sides.h"
 #include "plan/grid/relay.h"
@@ -96,7 +97,7 @@ static inline int emit_hands(const struct emission *e)
 }
 
 /* Is the kernel before not one of hands, but of what accelerations take? Of the base's acceleration (plan/grid/base_first.h)? Of
-   qdd and mu (plan/grid/found/found.h)? */
+   the rounds of a product (plan/grid/found/found.h)? */
 static inline int emit_finds_first(const struct emission *e)
 {
 	return e->request->is_forward && emit_hands(e) > 0;
@@ -107,15 +108,15 @@ static inline int emit_finds_base(const struct emission *e)
 	return base_first_is(e->parts, e->part_count, e->request);
 }
 
-static inline int emit_finds_mu(const struct emission *e)
+static inline int emit_has_rounds(const struct emission *e)
 {
-	return emit_finds_first(e) && !emit_finds_base(e);
+	return found_is(e->parts, e->part_count, e->request);
 }
 
 /* Are there kernels for the sides of a base (plan/grid/hands/base_sides.h)? */
 static inline int emit_has_sides(const struct emission *e)
 {
-	return !e->request->is_forward && base_sides_are(e->parts, e->part_count, e->tree);
+	return base_sides_are(e->parts, e->part_count, e->tree, e->request);
 }
 
 /* How many kernels hands have; how many parts the kernel `level` of these has; what it is called after the function. */

@@ -56,7 +56,8 @@
    knows nothing of parts would launch a text of parts and leave the rest unwritten. Version 3 has no `relay`,
    version 4 has it in its first function. Version 5 has `hands` there, version 6
    `start_parts`, version 7 more than one number of `hands`, version 9 SAMPLES of `relay`, version 10
-   `transpose`, version 11 `start_limbs` without a relay. A key that is not listed is passed over: what would change the meaning of the rest gets a new version. */
+   `transpose`, version 11 `start_limbs` without a relay. A key that is not listed is passed over: what would change the
+   meaning of the rest gets a new version. */
 
 #include "core/failure.h"
 

@@ -8,6 +8,7 @@ static void name_bodies(struct part *p, const struct tree *t)
 {
 	struct stretch rows = {0};
 
+	p->last = 0;
 	for (size_t i = 0; i < p->function.dag.output_count; i++)
 		stretch_widen(&rows, p->function.dag.outputs[i].row % t->nv);
 	for (int k = t->body_count; k-- > 0;)

@@ -7,6 +7,7 @@
 #include "plan/plan.h"
 #include "plan/stretch.h"
 #include "rneagen.h"
+#include <limits.h>
 
 /* With the outputs of some bodies: see owners.h. */
 struct part {
@@ -38,6 +39,12 @@ struct parts_of {
 static inline int parts_are_apart(const struct part *parts, int count)
 {
 	return count && parts[0].function.stretches != NULL;
+}
+
+/* Which of the kernels that run one after the other a part is of: those before the main one by their levels, the main one last. */
+static inline int part_kernel(const struct part *p)
+{
+	return p->is_before ? p->level : INT_MAX;
 }
 
 /* The array in whose rows parts leave what they hand on to others (hands.h): the last one. */

@@ -254,12 +254,15 @@ static int add_round(struct chain *c, int round, struct arena *spare, struct are
 	return 1;
 }
 
-/* Are rows read before others are written in their places? A round's rows may be those of two rounds before. */
+/* Kernels that may have stored a row which the last one reads: of a jvp's base those of qdd, of the second round, and of its own. */
+enum { MOST_STORING = 3 };
+
+/* Are rows read before others are written in their places? */
 static int are_in_order(int *are, const struct part *parts, int count, const struct parts_of *x, struct arena *a)
 {
 	const struct dag *d = &x->whole->dag;
 
-	*are = turns_serve(parts, count, d->arguments[parts_handed(d)].rows, MOST_ROUNDS, a);
+	*are = turns_serve(parts, count, d->arguments[parts_handed(d)].rows, MOST_STORING, a);
 	for (int i = 0, serves; i < count && *are; i++) {
 		if (!places_serve(&serves, &parts[i].function, parts[i].function.stretches, a))
 			return 0;

@@ -20,11 +20,6 @@ struct beside {
 	unsigned operations;
 };
 
-static int is_same_kernel(const struct part *a, const struct part *b)
-{
-	return a->is_before == b->is_before && a->level == b->level;
-}
-
 static struct beside kernels_beside(const struct part *parts, int count)
 {
 	struct beside all = {0};
@@ -32,7 +27,7 @@ static struct beside kernels_beside(const struct part *parts, int count)
 	for (int i = 0, end; i < count; i = end) {
 		unsigned longest = 0;
 
-		for (end = i; end < count && is_same_kernel(&parts[i], &parts[end]); end++) {
+		for (end = i; end < count && part_kernel(&parts[end]) == part_kernel(&parts[i]); end++) {
 			unsigned operations = plan_flops(plan_operations(&parts[end].function.plan));
 
 			longest = operations > longest ? operations : longest;

@@ -119,7 +119,7 @@ int base_sides_rows(struct finder *f, struct hand *m, const unsigned char *own)
 	return count > 0 && count == m->cut.count;
 }
 
-int base_sides_are(const struct part *parts, int count, const struct tree *t)
+int base_sides_are(const struct part *parts, int count, const struct tree *t, const struct request *k)
 {
-	return count && parts[0].is_before && base_is_free(t);
+	return count && parts[0].is_before && !k->is_forward && base_is_free(t);
 }

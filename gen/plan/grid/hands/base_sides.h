@@ -1,6 +1,7 @@
 #ifndef RNEAGEN_BASE_SIDES_H
 #define RNEAGEN_BASE_SIDES_H
-/* Torques with their vjp, in soa, of a robot whose base moves freely, by two kernels, each for the limbs of one side (hands.h). */
+/* Torques with their vjp, in soa, of a robot whose base moves freely, by two kernels, each for the limbs of one side
+   (hands.h). */
 
 #include "plan/grid/parts.h"
 
@@ -14,6 +15,6 @@ int base_sides_find(struct finder *f, unsigned char *own);
 int base_sides_rows(struct finder *f, struct hand *m, const unsigned char *own);
 
 /* Are these parts of such kernels? */
-int base_sides_are(const struct part *parts, int count, const struct tree *t);
+int base_sides_are(const struct part *parts, int count, const struct tree *t, const struct request *k);
 
 #endif

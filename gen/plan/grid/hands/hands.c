@@ -38,15 +38,9 @@ static int mark_rows(struct finder *f, const struct hand *m, unsigned char *own)
 	return 1;
 }
 
-/* Of the array in which what is handed on stands. */
-static int handed_rows(const struct finder *f)
-{
-	return finder_rows(f->d);
-}
-
 static int is_product(const struct finder *f)
 {
-	return handed_rows(f) > f->x->tree->nv;
+	return finder_rows(f->d) > f->x->tree->nv;
 }
 
 /* The first row of qd of the joint that output i belongs to. */
@@ -66,7 +60,7 @@ static int choose_rows(struct finder *f, struct hand *m)
 		if (is_single(&t->bodies[k]))
 			arm[joints++] = t->bodies[k].iv;
 	for (int i = 0; i < joints; i++)
-		for (int row = arm[is_product(f) ? joints - 1 - i : i]; row < handed_rows(f) && count < m->cut.count; row += t->nv)
+		for (int row = arm[is_product(f) ? joints - 1 - i : i]; row < finder_rows(f->d) && count < m->cut.count; row += t->nv)
 			if (!f->rows[row])
 				m->rows[count++] = row;
 	return count > 0 && count == m->cut.count;
@@ -161,7 +155,7 @@ int finder_try(struct finder *f, int body, int first, int end, unsigned char *ow
 	if (!m->cut.count)
 		return 1;
 	memset(f->taken + first, 1 + m->level, (size_t)(end - first));
-	for (int row = 0; row < handed_rows(f); row++)
+	for (int row = 0; row < finder_rows(f->d); row++)
 		f->rows[row] |= own[row % f->x->tree->nv];
 	for (int i = 0; i < m->cut.count; i++)
 		f->rows[m->rows[i]] = 1;

@@ -1,5 +1,4 @@
 #include "plan/grid/hands/turns.h"
-#include <limits.h>
 #include <string.h>
 
 /* By part and row of the last array: it is stored, or read from where another part has left it. */
@@ -8,12 +7,6 @@ struct turns {
 	int count, rows, most; /* kernels before that may have stored a row which is read */
 	unsigned char *stores, *reads;
 };
-
-/* Which kernel it is of: the last one is that of parts that are no hands. */
-static int kernel_of(const struct part *p)
-{
-	return p->is_before ? p->level : INT_MAX;
-}
 
 /* The row of it that the line reads; -1: it reads none. */
 static int row_read(const struct plan *p, const struct line *l)
@@ -53,14 +46,14 @@ static int mark(struct turns *x, int part)
 /* What a part reads or stores of a row: does it go with what the others do? */
 static int goes(const struct turns *x, int part, int row)
 {
-	int kernel = kernel_of(&x->parts[part]), is_read = x->reads[part * x->rows + row], before = 0;
+	int kernel = part_kernel(&x->parts[part]), is_read = x->reads[part * x->rows + row], before = 0;
 
 	for (int i = 0; i < x->count; i++) {
 		int is_stored = x->stores[i * x->rows + row];
 
-		if (i != part && is_stored && kernel_of(&x->parts[i]) == kernel && (is_read || x->stores[part * x->rows + row]))
+		if (i != part && is_stored && part_kernel(&x->parts[i]) == kernel && (is_read || x->stores[part * x->rows + row]))
 			return 0;
-		before += is_stored && kernel_of(&x->parts[i]) < kernel;
+		before += is_stored && part_kernel(&x->parts[i]) < kernel;
 	}
 	return !is_read || (before > 0 && before <= x->most);
 }
