@@ -193,18 +193,19 @@ static void put_columns(const struct function *p, struct text *out)
 static void put_parts(const struct emission *e, struct text *out)
 {
 	const struct dag *d = &emit_main(e)->dag;
+	int has_hands = emit_hands(e) && !emit_finds_first(e) && !emit_has_sides(e);
 
 	if (emit_hands(e) && somewhere(e, is_left))
-		put_entry(d->arguments[parts_handed(d)].name, emit_finds_first(e) || emit_has_sides(e)
+		put_entry(d->arguments[parts_handed(d)].name, !has_hands
 			? "what a kernel before has left in the row" : "what a hand left in the row of the link's joint", out);
 	if (has_part(e, emit_takes_found))
 		put_entry("handed found mu step", "where qdd and mu stand in the vjp, or in slices; from a row to the next", out);
-	else if (emit_finds_first(e))
-		put_entry("handed step", "where what was found stands; from a row to the next", out);
-	else if (emit_hands(e))
+	else if (emit_hands(e) && !has_hands)
+		put_entry("handed step", "where what a kernel before has left stands; from a row to the next", out);
+	else if (has_hands)
 		put_entry("handed gap step",
 			"what hands left in the last array; rows that a part's slice lacks; from a row of handed to the next", out);
-	if ((!emit_hands(e) || emit_finds_first(e)) && has_part(e, has_gap))
+	if (!has_hands && has_part(e, has_gap))
 		put_entry("gap", "rows that a part's tiles lack", out);
 	if (has_part(e, tiles_are_inputs))
 		put_entry("inner", "from one row of an input to the next, which may be in a tile", out);

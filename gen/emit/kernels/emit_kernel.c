@@ -222,12 +222,22 @@ static void put_apart(const struct emission *e, const struct apart *x, struct te
 
 static const char SHARE_NOTHING[] = "Parts that share nothing";
 
+/* What a kernel before the main one has. */
+static const char *before_text(const struct emission *e)
+{
+	if (emit_has_sides(e))
+		return "The limbs of one side; a launch runs this kernel before the one that reads what the base takes of them";
+	if (emit_has_rounds(e))
+		return "One of the kernels before; a launch runs it before those that read what it leaves";
+	return emit_finds_first(e) ? "What is found first; a launch runs this kernel before the one that reads it"
+		: "Hands, each a part; a launch runs this kernel before the one that reads what they hand on";
+}
+
 static void put_both(const struct emission *e, struct text *out)
 {
 	struct apart x = {.parts = e->parts, .words = emit_is_staged(e) ? emit_stage_words(e) : 0, .is_alone = emit_alone_least(e) > 0,
 		.function = emit_main(e)->algorithm->name, .bounds = ", RNEA_MIN_BLOCKS",
-		.what = emit_finds_first(e) ? "What is found first; a launch runs this kernel before the one that reads it" :
-			"Hands, each a part; a launch runs this kernel before the one that reads what they hand on"};
+		.what = before_text(e)};
 
 	for (int level = 0; level < emit_hand_levels(e); level++) {
 		x.count = emit_hands_of(e, level);

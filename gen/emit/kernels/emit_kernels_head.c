@@ -40,7 +40,7 @@ static void put_sides(const struct emission *e, struct text *out)
 	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
 
 	text_printf(out, " * %s_%s_launch runs two kernels. %s_%s_hands_kernel makes %s,\n"
-		" * left in rows that %s_%s_kernel reads, before it writes these and all others.\n",
+		" * left in rows that %s_%s_kernel reads, before it writes these and the rest.\n",
 		name, function, name, function, e->parts->what, name, function);
 }
 
@@ -59,7 +59,7 @@ static void put_found(const struct emission *e, struct text *out)
 	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
 	int levels = emit_hand_levels(e), first = 0;
 
-	text_printf(out, " * %s_%s_launch runs %d kernels, one after the other. In rows of the output each leaves for those after it:\n",
+	text_printf(out, " * %s_%s_launch runs %d kernels, one after the other. In rows of the output each but the last leaves what it makes:\n",
 		name, function, levels + 1);
 	for (int level = 0; level < levels; level++) {
 		int count = emit_hands_of(e, level);
