@@ -127,6 +127,7 @@ static void put_quantities(const struct emission *e, struct text *out)
 		{"v", "velocity of the origin"}, {"a", "acceleration of the origin, less gravity"},
 		{"f", "force: the link's own, then with its children's"}, {"n", "moment about the origin, as f"},
 		{"qdd", "acceleration of the link's joint, as it is found"},
+		{"sum", "a number of what the base feels of the limbs on its other side: of their inertia and forces"},
 		{"rhs", "change of the torque of the link's joint along the tangents, while qdd stands still"},
 		{"mu", "M^-1 of the weights on the accelerations, by the link's joint"},
 		{"iD", "1/D: the inverse of the inertia that the joint feels"},

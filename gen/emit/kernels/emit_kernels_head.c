@@ -118,7 +118,7 @@ void emit_kernels_head(const struct emission *e, struct text *out)
 {
 	if (e->relay)
 		put_relay(e, out);
-	if (emit_has_rounds(e))
+	if (emit_has_rounds(e) || (emit_finds_base(e) && emit_hand_levels(e) > 1))
 		put_found(e, out);
 	else if (emit_has_sides(e))
 		put_sides(e, out);

@@ -1,5 +1,6 @@
 #include "plan/grid/base_first.h"
 #include "plan/grid/apart.h"
+#include "plan/grid/hands/hands.h"
 #include "plan/grid/joined.h"
 
 /* Values at once of the whole, in f64, beyond which there are two kernels, and what share of them a part may have. H200, ps for
@@ -13,6 +14,14 @@
 enum { FULL = 300 };
 static const double LEFT = 0.7;
 
+/* In f32 it serves where mu is found with qdd (found.h), and one kernel has more operations than the instruction cache has room
+   for. */
+enum { LONG_SINGLE = 8200 };
+
+/* Operations of the base's kernel, beyond which its limbs are on two sides; what share of them the second side may have. */
+enum { LONG = 5000 };
+static const double LESS = 0.75;
+
 enum { FIRST, SECOND };
 
 /* Rows of a base that moves freely: the first ones. */
@@ -23,9 +32,17 @@ int base_is_free(const struct tree *t)
 	return t->body_count > 1 && t->bodies[0].type == JOINT_FLOATING && t->bodies[0].iv == 0 && tree_end(t, 0) == t->body_count;
 }
 
+static unsigned operations_of(const struct dag *d)
+{
+	return plan_flops(plan_operations_of(d, 0, d->count));
+}
+
 int base_first_serves(const struct parts_of *x)
 {
-	return x->options->precision == RNEAGEN_F64 && base_is_free(x->tree);
+	const struct dag *d = x->raw;
+	int is_long = (int)d->output_count > x->tree->nv && operations_of(d) > LONG_SINGLE;
+
+	return (x->options->precision == RNEAGEN_F64 || (x->options->precision == RNEAGEN_F32 && is_long)) && base_is_free(x->tree);
 }
 
 static int is_served(const struct parts_of *x)
@@ -74,22 +91,90 @@ static int divide(struct share *s, struct dag *limbs, const struct dag *d, const
 	return !limbs->failed;
 }
 
-static int make_base(struct part *p, struct share *s, int number, const char *of, const struct parts_of *x, struct arena *a)
+/* One of the kernels before. */
+static int finish(struct part *p, const struct parts_of *x, struct arena *a)
 {
-	const char *name = text_format(a, "%s_part%d", x->whole->algorithm->name, number);
-	const char *doc = text_format(a, "Part %d of it: the base's rows of %s.", number, of);
-
-	p->what = text_format(a, "the base's rows of %s", of);
-	if (!part_build_share(p, s, FIRST, FIRST + 1, name, doc, x, a) || !part_order(p, ORDERED_BASE, x, a))
+	if (!part_order(p, ORDERED_BASE, x, a))
 		return 0;
 	p->is_before = 1;
 	return apart_set_rows(p, stretches_make, 0, x, a);
 }
 
-int base_first_divide(struct part *parts, int *count, int number, const struct dag *d, const char *of, int whole,
-	const struct parts_of *x, struct arena *spare, struct arena *a)
+static int make(struct part *p, const struct dag *d, int number, const char *what, const struct parts_of *x, struct arena *a)
+{
+	const char *name = text_format(a, "%s_part%d", x->whole->algorithm->name, number);
+	const char *doc = text_format(a, "Part %d of it: %s.", number, what);
+
+	p->what = what;
+	return part_build(p, d, name, doc, x, a) && finish(p, x, a);
+}
+
+/* What the base feels of its limbs on one side, where the base's kernel would be longer than the instruction cache. */
+static int find_felt(struct hands *h, const struct dag *base, const struct parts_of *x, struct arena *a)
+{
+	*h = (struct hands){0};
+	return operations_of(base) < LONG || hands_find_felt(h, base, x, a);
+}
+
+/* The side's own kernel makes at least what the rest does without. */
+static int is_shorter(const struct dag *rest, const struct dag *base)
+{
+	return operations_of(rest) <= LESS * operations_of(base);
+}
+
+/* Its DAG is what the one side's stores alone take. */
+static int make_felt(struct part *p, const struct hands *h, int number, const struct parts_of *x, struct arena *spare,
+	struct arena *a)
+{
+	const struct body *bodies = x->tree->bodies;
+	struct share share;
+	struct dag d;
+
+	if (!share_begin(&share, &h->levels->first, h->levels->owner, spare))
+		return 0;
+	share_copy(&share, 0, 1, &d, spare);
+	if (d.failed || !make(p, &d, number, text_format(a, "what the base feels of links %d to %d", bodies[h->list->first].number,
+						 bodies[h->list->last].number), x, a))
+		return 0;
+	p->first = h->list->first;
+	p->last = h->list->last;
+	return 1;
+}
+
+/* Where its rows are all that a slice of qdd has. */
+static int leaves_whole_rows(const struct part *p, const struct tree *t)
+{
+	const struct dag *d = &p->function.dag;
+
+	return d->arguments[parts_handed(d)].rows > t->nv || stretches_are_written(p->function.stretches, d);
+}
+
+/* By one kernel, or by two where its limbs are on two sides; *count: of them. */
+static int make_base(struct part *parts, int *count, struct share *s, int number, const char *of, const struct parts_of *x,
+	struct arena *spare, struct arena *a)
+{
+	const char *what = text_format(a, "the base's rows of %s", of);
+	struct hands h;
+	struct dag base;
+	int sides;
+
+	share_copy(s, FIRST, FIRST + 1, &base, spare);
+	if (base.failed || !find_felt(&h, &base, x, spare))
+		return 0;
+	sides = h.level_count && is_shorter(&h.levels->rest, &base);
+	if (sides && !make_felt(parts, &h, number, x, spare, a))
+		return 0;
+	sides = sides && leaves_whole_rows(parts, x->tree);
+	*count = 1 + sides;
+	parts[sides].level = sides;
+	return make(&parts[sides], sides ? &h.levels->rest : &base, number + sides, what, x, a);
+}
+
+int base_first_divide(struct part *parts, int *before, int *count, int number, const char *of, int whole, const struct parts_of *x,
+	struct arena *spare, struct arena *a)
 {
 	static const char WHAT[] = "limbs, where those are found";
+	const struct dag *d = x->raw;
 	int *owner, limb_parts; /* by output of the limbs: its part; parts */
 	struct share s;
 	struct dag limbs;
@@ -100,19 +185,21 @@ int base_first_divide(struct part *parts, int *count, int number, const struct d
 	if (!owner || !divide(&s, &limbs, d, x->tree, spare))
 		return 0;
 	limb_parts = joined_own_beyond(owner, &limbs, x->tree, BASE_ROWS, spare);
-	if (!limb_parts || !make_base(parts, &s, number, of, x, a) ||
-		!apart_make_limbs(parts + 1, number + 1, limb_parts, &limbs, owner, WHAT, x, spare, a))
+	if (!limb_parts || !make_base(parts, before, &s, number, of, x, spare, a) ||
+		!apart_make_limbs(parts + *before, number + *before, limb_parts, &limbs, owner, WHAT, x, spare, a))
 		return 0;
-	*count = parts_alive(parts, 1 + limb_parts) <= LEFT * whole ? 1 + limb_parts : 0;
+	*count = parts_alive(parts, *before + limb_parts) <= LEFT * whole ? *before + limb_parts : 0;
 	return !spare->failed;
 }
 
 int base_first_make(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)
 {
+	int before;
+
 	if (!is_served(x))
 		return 1;
-	*parts = arena_alloc(a, (size_t)x->tree->nv + 1, sizeof **parts);
-	return *parts && base_first_divide(*parts, count, 0, x->raw, "qdd", plan_alive(&x->whole->plan, spare), x, spare, a);
+	*parts = arena_alloc(a, (size_t)x->tree->nv + 2, sizeof **parts);
+	return *parts && base_first_divide(*parts, &before, count, 0, "qdd", plan_alive(&x->whole->plan, spare), x, spare, a);
 }
 
 int base_first_is(const struct part *parts, int count, const struct request *k)

@@ -14,11 +14,12 @@ int base_is_free(const struct tree *t);
    Returns 0 when memory runs out. */
 int base_first_make(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a);
 
-/* The same of the accelerations of a DAG, `whole` of whose values are alive at once, where that serves precision and tree; `of` is
-   said of them. Parts are numbered from `number` on, and there is room for 1 + nv. */
+/* The same of the accelerations of x->raw, `whole` of whose values are alive at once, where that serves precision and tree; `of` is
+   said of them. Parts are numbered from `number` on, the first *before of them are each a kernel before, and there is room for
+   2 + nv. */
 int base_first_serves(const struct parts_of *x);
-int base_first_divide(struct part *parts, int *count, int number, const struct dag *d, const char *of, int whole,
-	const struct parts_of *x, struct arena *spare, struct arena *a);
+int base_first_divide(struct part *parts, int *before, int *count, int number, const char *of, int whole, const struct parts_of *x,
+	struct arena *spare, struct arena *a);
 
 /* Are these such kernels? */
 int base_first_is(const struct part *parts, int count, const struct request *k);

@@ -10,6 +10,10 @@ enum { LEAST_SINGLE = 1400, LEAST_DOUBLE = 2000 };
    what no register holds among them. */
 enum { PRODUCT_BYTES = 560, ALONE_BYTES = 640 };
 
+/* The same of inputs alone, where the rows of a part that shares nothing with others cannot leave as tiles, and values at once in
+   f32. */
+enum { INPUT_BYTES = 700, INPUT_ALIVE = 220 };
+
 /* Values at once of accelerations in f32, beyond which they would spill, and tiles take the room. */
 enum { FULL_FORWARD = 220 };
 
@@ -37,6 +41,14 @@ static int are_short(const struct stretches *s, const struct dag *d)
 	return 1;
 }
 
+/* Bytes of a sample of a product. */
+static int most_bytes(const struct stretches *s, const struct chosen *x)
+{
+	if (s->has_inputs_alone)
+		return parts_are_apart(x->parts, x->count) ? INPUT_BYTES : SHARED_BYTES;
+	return x->count > 1 ? PRODUCT_BYTES : ALONE_BYTES;
+}
+
 /* Where they have room. */
 static void set(struct function *p, const struct stretches *s, const struct chosen *x)
 {
@@ -44,7 +56,7 @@ static void set(struct function *p, const struct stretches *s, const struct chos
 
 	if (!are_short(s, &p->dag) || !tiles_block(bytes))
 		return;
-	if (request_wants_derivative(x->of->request) && !s->has_inputs_alone && bytes > (x->count > 1 ? PRODUCT_BYTES : ALONE_BYTES))
+	if (request_wants_derivative(x->of->request) && bytes > most_bytes(s, x))
 		return;
 	p->tiles = s;
 }
@@ -126,15 +138,6 @@ static int has_room(const struct chosen *x, struct arena *a)
 	return !x->of->request->is_forward || x->of->options->precision != RNEAGEN_F32 || plan_alive(&x->whole->plan, a) <= FULL_FORWARD;
 }
 
-/* With a vjp hands leave what they hand on between rows of others: then no part has tiles. */
-static int are_all(const struct chosen *x)
-{
-	for (int i = 0; i < x->count; i++)
-		if (!x->parts[i].function.tiles)
-			return 0;
-	return 1;
-}
-
 /* A part that shares nothing with others. */
 static int choose_apart(struct function *p, const struct chosen *x, struct arena *a)
 {
@@ -154,16 +157,26 @@ static void drop(const struct chosen *x)
 		x->parts[i].function.tiles = NULL;
 }
 
+/* Rows of a product that stand between rows of other parts leave by themselves, as those of matrices do. */
+static int may_have_inputs(const struct part *p, const struct chosen *x)
+{
+	if (!parts_are_apart(x->parts, x->count))
+		return 1;
+	return request_wants_derivative(x->of->request) && (x->of->options->precision == RNEAGEN_F64 || p->alive <= INPUT_ALIVE);
+}
+
 static int choose_parts(const struct chosen *x, struct arena *a)
 {
+	int are_apart = parts_are_apart(x->parts, x->count);
+
 	for (int i = 0; i < x->count; i++) {
 		struct function *p = &x->parts[i].function;
 
-		if (!(parts_are_apart(x->parts, x->count) ? choose_apart(p, x, a) : set_inputs(p, x, a)))
+		if (are_apart && !choose_apart(p, x, a))
+			return 0;
+		if (!p->tiles && may_have_inputs(&x->parts[i], x) && !set_inputs(p, x, a))
 			return 0;
 	}
-	if (request_wants_derivative(x->of->request) && !are_all(x))
-		drop(x);
 	return 1;
 }
 

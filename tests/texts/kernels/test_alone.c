@@ -31,6 +31,9 @@ static const struct subject {
 	{"atlas", "want qdd\n", 0, 0, "524288", 1},
 	{"atlas", "want qdd\n", 1, 0, "16384", 1},			       /* the base's acceleration first */
 	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, 5, "16896", 1},
+	{"atlas", "vjp qdd\n", 1, 0, "253440", 1},		       /* tiles of inputs alone, in some of the kernels */
+	{"hyq", "jvp qdd\n", 1, 0, "253440", 1},
+	{"g1_29dof", "want tau,vjp\n", 1, 0, "253440", 1},	       /* sides of a base */
 };
 enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
 
@@ -199,6 +202,20 @@ START_TEST(test_too_many)
 }
 END_TEST
 
+/* Of q of a base that moves a joint's row stands one further on. It would catch tiles in which all rows between the base's and a
+   limb's come with these. */
+START_TEST(test_gap)
+{
+	const struct subject s = {"atlas", "want qdd\n", 1, 0, "16384", 1};
+	struct target t;
+
+	generate(&s, s.parts, &t);
+	ck_assert_ptr_nonnull(strstr(t.text.source, "tiles.map["));
+	ck_assert_ptr_nonnull(strstr(t.text.source, " 0 4 0 12 1 6 1 12 ")); /* orientation and 12 legs' joints; twist and these */
+	rneagen_result_free(&t.text);
+}
+END_TEST
+
 /* An option leaves them out; where their program does not compile there are none. */
 START_TEST(test_without)
 {
@@ -287,6 +304,7 @@ int main(void)
 	suite_add(s, "older", test_older, 1, 600);
 	suite_add(s, "without", test_without, 2, 120);
 	suite_add(s, "too_many", test_too_many, 1, 120);
+	suite_add(s, "gap", test_gap, 1, 120);
 	suite_add(s, "program", test_program, sizeof PROGRAMS / sizeof *PROGRAMS, 120);
 	suite_add(s, "launch", test_launch, 1, 120);
 	return suite_run(s);

@@ -14,10 +14,10 @@ _Static_assert((int)HAND_LEVELS <= (int)RNEA_HANDS_LIMIT, "a runtime refuses the
 
 enum { COUNT = 1300, SEED = 20261124, LARGE_BLOCK = 512 }; /* beyond what the limbs' kernel takes; no multiple of a block */
 
+enum { KERNELS = 5 };
+
 /* A robot of tests/robots, or of "limbs N M": N limbs of M links each on the ground, or of "hands N M": a leg, and a back with
    two arms, each with a hand of N fingers of M links; "fists N M": the first joint of a hand moves them all. */
-enum { KERNELS = 4 };
-
 static const struct subject {
 	const char *name, *scene;
 	enum rneagen_precision precision;
@@ -69,19 +69,19 @@ static const struct subject {
 	{"limbs 1 10", "vjp qdd\nfree payload.l0_6:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {1}, 1},
 	{"limbs 3 8", "vjp qdd\nfree gravity\n", RNEAGEN_F64, RNEAGEN_AOS, 0, 3, {3}, 1},
 	{"hyq", "vjp qdd\nfold tau=0\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1}, 0},
-	{"atlas", "vjp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1, 2, 1}, 0}, /* the base's rows first, and the sides of the base */
-	{"g1_29dof", "vjp qdd\nfree gravity:batch\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1, 2, 1}, 1},
-	{"atlas", "vjp qdd\n", RNEAGEN_F32, RNEAGEN_SOA, 1, 1, {1}, 1},
+	{"atlas", "vjp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1, 1, 2, 1}, 0}, /* the base's rows first, and its sides, twice */
+	{"g1_29dof", "vjp qdd\nfree gravity:batch\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1, 1, 2, 1}, 1},
+	{"atlas", "vjp qdd\n", RNEAGEN_F32, RNEAGEN_SOA, 1, 1, {1, 1, 2}, 1},
 	/* qdd, then what its jvp is M^-1 of */
 	{"atlas", "jvp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2, 2}, 1},
 	{"g1_29dof", "jvp qdd\nfree payload.left_ankle_roll_link:sample\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, {2, 2}, 1},
 	{"hyq", "jvp qdd\nfold tau=0\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1, 1}, 0},
-	{"atlas", "jvp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 2, {1, 2, 1, 1}, 1},
+	{"atlas", "jvp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 2, {1, 1, 2, 1, 1}, 1},
 	{"atlas", "jvp qdd\nfold qd=0\n", RNEAGEN_F32, RNEAGEN_SOA, 1, 1, {1, 1}, 1},
 	/* the base's acceleration first */
-	{"atlas", "want qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 2, {1}, 0},
-	{"atlas", "want qdd\n", RNEAGEN_F64, RNEAGEN_AOS, 1, 2, {1}, 1},
-	{"g1_29dof", "want qdd\nfree payload.left_ankle_roll_link:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 2, {1}, 1},
+	{"atlas", "want qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 2, {1, 1}, 0},
+	{"atlas", "want qdd\n", RNEAGEN_F64, RNEAGEN_AOS, 1, 2, {1, 1}, 1},
+	{"g1_29dof", "want qdd\nfree payload.left_ankle_roll_link:sample\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 2, {1, 1}, 1},
 	{"g1_29dof", "want qdd\nfold qd=0\nfree gravity:batch\n", RNEAGEN_F64, RNEAGEN_AOS, 1, 2, {1}, 1},
 	/* sides of a base */
 	{"atlas", "want tau,vjp\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1}, 0},
@@ -238,6 +238,12 @@ static int finds_base(const struct subject *s)
 	return s->hands[0] && strstr(s->scene, "want qdd");
 }
 
+/* In two kernels, one for each side. */
+static int has_felt(const struct subject *s)
+{
+	return s->floating && s->hands[1] == 1 && (s->hands[2] == 2 || finds_base(s));
+}
+
 /* Up to fewer samples beside several parts of accelerations and of vjp, but where the base's acceleration comes first, and beside
    sides of a base; of what finds qdd first two kernels, for as many samples. */
 static void expect_limbs(const struct subject *s, const char *source)
@@ -300,9 +306,11 @@ static void expect_text(const struct subject *s, const char *source)
 								   : "the whole, where some of the motion is made again"));
 	ck_assert_int_eq(strstr(source, " = RNEA_READ_ANEW(") != NULL, strstr(s->scene, "vjp") != NULL && s->precision == RNEAGEN_F64 &&
 		(strcmp(s->name, "atlas") || finds_first(s) || has_sides(s)));
-	ck_assert_int_eq(strstr(source, " In rows of the output each but the last leaves what it makes:") != NULL, finds_first(s));
+	ck_assert_int_eq(strstr(source, " In rows of the output each but the last leaves what it makes:") != NULL,
+		finds_first(s) || (finds_base(s) && has_felt(s)));
+	ck_assert_int_eq(strstr(source, "_hands_kernel: what the base feels of links ") != NULL, has_felt(s));
 	ck_assert_int_eq(strstr(source, " * left in rows that ") != NULL, has_sides(s));
-	ck_assert_int_eq(strstr(source, "_fd_kernel reads it from there and makes those ") != NULL, finds_base(s));
+	ck_assert_int_eq(strstr(source, "_fd_kernel reads it from there and makes those ") != NULL, finds_base(s) && !has_felt(s));
 	expect_launches(s, source);
 	expect_limbs(s, source);
 }

@@ -123,7 +123,7 @@ static int begin(struct chain *c, const struct parts_of *x, struct arena *spare,
 
 	c->rounds = is_jvp ? OF_JVP : OF_VJP;
 	c->round_count = is_jvp ? 3 : 2;
-	c->parts = arena_alloc(a, (size_t)c->round_count * ((size_t)x->tree->nv + 1), sizeof *c->parts);
+	c->parts = arena_alloc(a, (size_t)c->round_count * ((size_t)x->tree->nv + 2), sizeof *c->parts);
 	if (!c->parts || !found_rounds(c->dags, c->round_count, x, HANDED_ALL, spare))
 		return 0;
 	if (is_jvp)
@@ -183,7 +183,7 @@ static int make_limbs(
 	return count;
 }
 
-/* How a round is made: so many parts of a kernel before, and of another one. */
+/* How a round is made: by so many kernels of one part, and then by one of so many parts. */
 struct kernels {
 	int before, main;
 };
@@ -193,15 +193,16 @@ static int divide(struct kernels *k, struct chain *c, int round, struct arena *s
 {
 	const struct parts_of *x = &c->made[round].of;
 	struct part whole;
-	int count = 0;
+	int before, count = 0;
 
 	if (!base_first_serves(x))
 		return 1;
 	memset(&whole, 0, sizeof whole);
 	if (!part_build(&whole, x->raw, "", "", x, spare) || !part_order(&whole, ORDERED_PART, x, spare) ||
-		!base_first_divide(c->parts + c->count, &count, c->count, x->raw, c->rounds[round].what, whole.alive, x, spare, a))
+		!base_first_divide(c->parts + c->count, &before, &count, c->count, c->rounds[round].what, whole.alive, x, spare, a))
 		return 0;
-	*k = (struct kernels){count > 0, count - (count > 0)};
+	if (count)
+		*k = (struct kernels){before, count - before};
 	return 1;
 }
 
@@ -213,7 +214,7 @@ static int make_hands(struct kernels *k, struct chain *c, int round, struct aren
 
 	if (!hands_find(&h, x, spare))
 		return 0;
-	if (h.level_count != 1)
+	if (h.count != 1)
 		return 1;
 	if (!apart_make_hands(c->parts + c->count, c->count, &h, x, spare, a))
 		return 0;
@@ -247,9 +248,9 @@ static int add_round(struct chain *c, int round, struct arena *spare, struct are
 		return 0;
 	for (int i = 0; i < k.before + k.main; i++) {
 		p[i].is_before = i < k.before || !is_last;
-		p[i].level = p[i].is_before ? c->level + (k.before && i >= k.before) : 0;
+		p[i].level = p[i].is_before ? c->level + (i < k.before ? i : k.before) : 0;
 	}
-	c->level += 1 + (k.before > 0);
+	c->level += 1 + k.before;
 	c->count += k.before + k.main;
 	return 1;
 }

@@ -3,6 +3,7 @@
 #include "plan/grid/hands/base_sides.h"
 #include "plan/grid/base_first.h"
 #include "plan/grid/hands/finder.h"
+#include "plan/readings.h"
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,10 +29,10 @@ int base_sides_may(const struct parts_of *x)
 		operations_of(x) >= least;
 }
 
-/* A row that no kernel writes, that is always zero, or that one before has left something in. */
+/* A row that no kernel writes, that is always zero, that one before has left something in, or that is the base's own. */
 void base_sides_bar(struct finder *f)
 {
-	const struct dag *d = f->d;
+	const struct dag *d = f->x->raw;
 	int last = parts_handed(d);
 
 	for (int row = 0; row < finder_rows(d); row++)
@@ -42,6 +43,55 @@ void base_sides_bar(struct finder *f)
 	for (size_t i = 0; i < d->count; i++)
 		if (d->nodes[i].op == OP_INPUT && (int)d->nodes[i].arg[0].i == last)
 			f->rows[d->nodes[i].arg[1].i] = 1;
+	for (size_t i = 0; i < f->d->output_count && f->is_felt; i++)
+		f->rows[f->d->outputs[i].row] = 1;
+}
+
+static int is_turn(const struct node *n)
+{
+	return n->op == OP_SIN || n->op == OP_COS;
+}
+
+/* What is made at once of the side's inputs, of sines and cosines of its angles; `meets` of the nodes that angles are made of. */
+static void mark_first(struct finder *f)
+{
+	const struct dag *d = f->d;
+
+	memset(f->meets, 0, d->count);
+	for (size_t i = d->count; i-- > 0;)
+		for (int k = 0; k < op_arity[d->nodes[i].op]; k++)
+			f->meets[d->nodes[i].arg[k].i] |= f->meets[i] || is_turn(&d->nodes[i]);
+	for (size_t i = d->count; i-- > 0;) {
+		const struct node *n = &d->nodes[i];
+		int is_first = 0;
+
+		for (int k = 0; k < op_arity[n->op]; k++) {
+			uint32_t of = n->arg[k].i;
+
+			is_first |= f->beyond[of] && (d->nodes[of].op == OP_INPUT || is_turn(&d->nodes[of]) || f->meets[of]);
+		}
+		f->from[i] = is_first && !is_turn(n) && !f->meets[i];
+	}
+}
+
+/* What the base feels of a side goes to where that meets what the other limbs make. */
+void base_sides_mark(struct finder *f, const unsigned char *own)
+{
+	const struct dag *d = f->d;
+
+	for (size_t i = 0; i < d->count; i++) {
+		int is_input = d->nodes[i].op == OP_INPUT && d->nodes[i].arg[0].i < DAG_ARGUMENTS;
+		const struct tree_joint *j = is_input ? readings_joint(d, &d->nodes[i], f->x->tree) : NULL;
+
+		f->beyond[i] = f->from[i];
+		f->kind[i] = j && j->body > 0 && !own[j->iv];
+		for (int k = 0; k < op_arity[d->nodes[i].op]; k++) {
+			f->beyond[i] |= f->beyond[d->nodes[i].arg[k].i];
+			f->kind[i] |= f->kind[d->nodes[i].arg[k].i];
+		}
+		f->to[i] = f->beyond[i] && f->kind[i];
+	}
+	mark_first(f);
 }
 
 /* The limb with which the second side begins, by rows of qd; the body count where there is one limb. */
@@ -114,7 +164,7 @@ int base_sides_rows(struct finder *f, struct hand *m, const unsigned char *own)
 
 	for (int i = 0; i < nv; i++)
 		for (int row = i; row < rows && count < m->cut.count; row += nv)
-			if (!own[i] && !f->rows[row])
+			if ((f->is_felt || !own[i]) && !f->rows[row])
 				m->rows[count++] = row;
 	return count > 0 && count == m->cut.count;
 }

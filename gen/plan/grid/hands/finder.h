@@ -10,6 +10,7 @@ struct finder {
 	struct hands *h;
 	struct arena *a;
 	int is_base;          /* hands are limbs of a base that moves freely (base_sides.c) */
+	int is_felt;          /* of which the base's acceleration alone is made; all rows of joints are free until these are */
 	int *children;        /* by body */
 	unsigned char *taken; /* by body: 1 + the level of the hand that has it */
 	unsigned char *rows;  /* by row of the last array: it belongs to a hand, or is taken by what one hands on */

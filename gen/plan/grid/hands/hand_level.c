@@ -39,6 +39,12 @@ int finder_share(struct finder *f, struct hand_level *level, int begin)
 	return 1;
 }
 
+/* The name that a number has once it is read: what the base feels of limbs has none. */
+static struct tag tag_of(const struct finder *f, const struct node *n, int number)
+{
+	return f->is_felt && !*n->tag.quantity ? (struct tag){.quantity = "sum", .body = number} : n->tag;
+}
+
 int finder_rest(struct finder *f, struct hand_level *level, int begin)
 {
 	const struct hands *h = f->h;
@@ -55,7 +61,7 @@ int finder_rest(struct finder *f, struct hand_level *level, int begin)
 			struct node *n = &read.nodes[h->list[k].cut.nodes[i]];
 
 			*n = (struct node){.op = OP_INPUT, .arg = {{(uint32_t)parts_handed(d)}, {(uint32_t)h->list[k].rows[i]}},
-				.tag = n->tag};
+				.tag = tag_of(f, n, 1 + i)};
 		}
 	if (!share_begin(&share, &read, level->owner, f->a))
 		return 0;

@@ -10,6 +10,9 @@
    1286. */
 enum { LEAST = 5000, LEAST_PRODUCT_SINGLE = 9400, LEAST_HAND = 500, LEAST_HAND_PRODUCT = 1000 };
 
+/* Numbers that a hand hands on, at most. */
+enum { MOST_HANDED = 18 };
+
 /* Values at once of the whole, beyond which f32 has hands too, and parts need no room in shared memory; joints of an arm that one
    part may hold. H100, 1 M samples, ps, chain_75 whole and so: f32 2572 and 1120, f64 7761 and 2961, in aos 9915 and 4626. */
 enum { FULL = 300, LONGEST_SINGLE = 30, LONGEST_DOUBLE = 16 };
@@ -118,23 +121,33 @@ static void mark_meetings(struct finder *f)
 	}
 }
 
-/* Returns 0 when memory runs out; a hand that is none has no cut. */
-static int cut_hand(struct finder *f, struct hand *m, unsigned char *own)
+/* From where to where all goes that is handed on. */
+static void mark_ends(struct finder *f, const unsigned char *own)
 {
 	const struct dag *d = f->d;
 
-	m->cut.count = 0;
-	if (!mark_rows(f, m, own))
-		return 1;
 	memset(f->to, 0, d->count);
 	for (size_t i = 0; i < d->count; i++)
 		f->from[i] = (unsigned char)is_own_input(f, &d->nodes[i], own);
+	if (f->is_felt) {
+		base_sides_mark(f, own);
+		return;
+	}
 	for (size_t i = 0; i < d->output_count; i++)
 		f->to[d->outputs[i].value.i] |= !own[row_of(f, i)];
 	mark_meetings(f);
-	if (!cut_find(&m->cut, d, f->meets, f->to, f->a))
+}
+
+/* Returns 0 when memory runs out; a hand that is none has no cut. */
+static int cut_hand(struct finder *f, struct hand *m, unsigned char *own)
+{
+	m->cut.count = 0;
+	if (!mark_rows(f, m, own))
+		return 1;
+	mark_ends(f, own);
+	if (!cut_find(&m->cut, f->d, f->is_felt ? f->from : f->meets, f->to, f->a))
 		return 0;
-	if (!(f->is_base ? base_sides_rows(f, m, own) : choose_rows(f, m)) ||
+	if ((!f->is_felt && m->cut.count > MOST_HANDED) || !(f->is_base ? base_sides_rows(f, m, own) : choose_rows(f, m)) ||
 		operations_of(f, m, own) < (is_product(f) ? LEAST_HAND_PRODUCT : LEAST_HAND))
 		m->cut.count = 0;
 	return 1;
@@ -303,25 +316,31 @@ static int find_level(struct finder *f, int (*find)(struct finder *f, unsigned c
 	return 1;
 }
 
+static int begin(struct finder *f)
+{
+	size_t bodies = (size_t)f->x->tree->body_count;
+
+	f->h->list = arena_alloc(f->a, bodies, sizeof *f->h->list);
+	f->h->levels = arena_alloc(f->a, HAND_LEVELS, sizeof *f->h->levels);
+	f->children = arena_alloc(f->a, bodies, sizeof *f->children);
+	f->taken = arena_alloc(f->a, bodies, 1);
+	f->rows = arena_alloc(f->a, (size_t)finder_rows(f->d) + 1, 1);
+	f->h->is_base = f->is_base;
+	if (!f->a->failed && f->is_base)
+		base_sides_bar(f);
+	return !f->a->failed;
+}
+
 int hands_find(struct hands *h, const struct parts_of *x, struct arena *a)
 {
-	size_t bodies = (size_t)x->tree->body_count, rows = (size_t)x->raw->arguments[parts_handed(x->raw)].rows + 1;
-	struct finder f = {.x = x, .d = x->raw, .h = h, .a = a};
-	unsigned char *own = arena_alloc(a, rows, 1);
+	struct finder f = {.x = x, .d = x->raw, .h = h, .a = a, .is_base = x->tree->nq != x->tree->nv};
+	unsigned char *own = arena_alloc(a, (size_t)finder_rows(f.d) + 1, 1);
 	int count;
 
 	*h = (struct hands){0};
 	if (!may_have(h, x, a))
 		return 1;
-	h->list = arena_alloc(a, bodies, sizeof *h->list);
-	h->levels = arena_alloc(a, HAND_LEVELS, sizeof *h->levels);
-	f.children = arena_alloc(a, bodies, sizeof *f.children);
-	f.taken = arena_alloc(a, bodies, 1);
-	f.rows = arena_alloc(a, rows, 1);
-	f.is_base = h->is_base = x->tree->nq != x->tree->nv;
-	if (!a->failed && f.is_base)
-		base_sides_bar(&f);
-	if (a->failed || !find_level(&f, f.is_base ? base_sides_find : find_branches, own))
+	if (!begin(&f) || !find_level(&f, f.is_base ? base_sides_find : find_branches, own))
 		return 0;
 	if (f.is_base)
 		return 1;
@@ -331,4 +350,13 @@ int hands_find(struct hands *h, const struct parts_of *x, struct arena *a)
 			return 0;
 	} while (h->count > count && h->level_count < HAND_LEVELS);
 	return 1;
+}
+
+int hands_find_felt(struct hands *h, const struct dag *base, const struct parts_of *x, struct arena *a)
+{
+	struct finder f = {.x = x, .d = base, .h = h, .a = a, .is_base = 1, .is_felt = 1};
+	unsigned char *own = arena_alloc(a, (size_t)finder_rows(base) + 1, 1);
+
+	*h = (struct hands){0};
+	return own && begin(&f) && find_level(&f, base_sides_find, own);
 }
