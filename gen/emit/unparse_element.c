@@ -36,7 +36,7 @@ static void put_row(const struct unparser *u, const char *array, int argument, i
 		text_printf(out, "%s[%d]", array, row);
 	else if (s && s->period && argument == s->divided && row >= s->period)
 		put_divided(s, array, row, out);
-	else if (s && stretches_is_second(s, argument, row))
+	else if (s && s->gap && row >= s->second)
 		text_printf(out, "%s[(%d - gap)*%s]", array, row, step);
 	else
 		unparse_index(array, (unsigned)row, step, out);

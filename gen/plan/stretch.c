@@ -22,85 +22,45 @@ static int is_read(const struct dag *d, const struct node *n)
 	return n->op == OP_INPUT && !d->arguments[n->arg[0].i].is_output;
 }
 
-/* Has it such stretches? */
-static int is_stretched(const struct stretches *s, const struct dag *d, int argument)
+/* Rows that all arrays have which have stretches, each sample's own: q may have one more, where a base moves. 0: these differ, or
+   are too many. */
+static int rows_of_all(const struct stretches *s, const struct dag *d)
 {
-	return !d->arguments[argument].per_batch && !(s->has_inputs_alone && d->arguments[argument].is_output);
-}
+	int rows = 0, of_q = 0;
 
-/* q, the first argument, of a robot whose base moves has a row more than there are velocities: how many rows further on its row of a
-   joint stands. */
-static int shift_of(const struct stretches *s, int argument)
-{
-	return argument == 0 ? s->shift : 0;
-}
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *a = &d->arguments[i];
 
-static int second_of(const struct stretches *s, int argument)
-{
-	return s->second + shift_of(s, argument);
-}
-
-int stretches_is_second(const struct stretches *s, int argument, int row)
-{
-	return s->gap && row >= second_of(s, argument);
-}
-
-/* Rows that all arrays but q have: 0 where there are none, -1 where they differ. */
-static int rows_but_q(const struct stretches *s, const struct dag *d)
-{
-	int rows = 0;
-
-	for (int i = d->arguments[0].role == ROLE_JOINT_POSITION; i < d->argument_count; i++) {
-		if (!is_stretched(s, d, i))
+		if (a->per_batch || (s->has_inputs_alone && a->is_output))
 			continue;
-		if (rows && d->arguments[i].rows != rows)
-			return -1;
-		rows = d->arguments[i].rows;
+		if (a->role == ROLE_JOINT_POSITION)
+			of_q = a->rows;
+		else if (rows && a->rows != rows)
+			return 0;
+		else
+			rows = a->rows;
 	}
-	return rows;
+	if (rows && of_q && of_q != rows && of_q != rows + 1)
+		return 0;
+	rows = rows ? rows : of_q;
+	return rows <= ROWS ? rows : 0;
 }
 
-static void touch(const struct stretches *s, unsigned char *touched, int argument, int row)
-{
-	row -= shift_of(s, argument);
-	touched[row < 0 ? 0 : row] = 1;
-}
-
-/* By row of a joint: is it touched, in any array that has stretches? */
+/* By row: is it touched, in any of them? */
 static void mark_rows(const struct stretches *s, const struct dag *d, unsigned char *touched)
 {
-	for (size_t i = 0; i < d->count; i++) {
-		const struct ref *arg = d->nodes[i].arg;
-
-		if (is_read(d, &d->nodes[i]) && !d->arguments[arg[0].i].per_batch)
-			touch(s, touched, (int)arg[0].i, (int)arg[1].i);
-	}
+	for (size_t i = 0; i < d->count; i++)
+		if (is_read(d, &d->nodes[i]) && !d->arguments[d->nodes[i].arg[0].i].per_batch)
+			touched[d->nodes[i].arg[1].i] = 1;
 	for (size_t i = 0; i < d->output_count && !s->has_inputs_alone; i++)
-		touch(s, touched, d->outputs[i].argument, d->outputs[i].row);
-}
-
-/* Returns how many rows joints have; 0: arrays have different ones, or too many. */
-static int find_shift(struct stretches *s, const struct dag *d)
-{
-	int rows = rows_but_q(s, d), more = 0;
-
-	if (d->arguments[0].role == ROLE_JOINT_POSITION && is_stretched(s, d, 0))
-		more = d->arguments[0].rows - rows;
-	if (rows == 0) {
-		rows = more;
-		more = 0;
-	}
-	if (rows < 0 || rows > ROWS || more < 0)
-		return 0;
-	s->shift = more;
-	return rows;
+		touched[d->outputs[i].row] = 1;
 }
 
 /* The longest gap between rows that are touched. */
 static void find_gap(struct stretches *s, const struct dag *d)
 {
-	unsigned char touched[ROWS] = {0};
-	int rows = find_shift(s, d), last = -1;
+	unsigned char touched[ROWS + 1] = {0};
+	int rows = rows_of_all(s, d), last = -1;
 
 	if (rows)
 		mark_rows(s, d, touched);
@@ -117,18 +77,17 @@ static void find_gap(struct stretches *s, const struct dag *d)
 	}
 }
 
-/* The stretches of an argument, or of its place. */
-static void widen(const struct stretches *s, int argument, struct stretch *both, int row)
+static void widen(const struct stretches *s, struct stretch *both, int row)
 {
-	stretch_widen(&both[stretches_is_second(s, argument, row)], row);
+	stretch_widen(&both[s->gap && row >= s->second], row);
 }
 
-static void widen_by(const struct stretches *s, int argument, struct stretch *both, const struct stretch *by)
+static void widen_by(const struct stretches *s, struct stretch *both, const struct stretch *by)
 {
 	for (int k = 0; k < STRETCHES; k++)
 		if (by[k].rows) {
-			widen(s, argument, both, by[k].first);
-			widen(s, argument, both, by[k].first + by[k].rows - 1);
+			widen(s, both, by[k].first);
+			widen(s, both, by[k].first + by[k].rows - 1);
 		}
 }
 
@@ -197,20 +156,20 @@ static void find_own(struct stretches *s, const struct dag *d)
 		const struct node *n = &d->nodes[i];
 
 		if (is_read(d, n))
-			widen(s, (int)n->arg[0].i, s->own[n->arg[0].i], (int)n->arg[1].i);
+			widen(s, s->own[n->arg[0].i], (int)n->arg[1].i);
 		else if (s->takes_found && s->period && n->op == OP_INPUT)
 			stretch_widen(&s->found, (int)n->arg[1].i % s->period);
 	}
 	for (size_t i = 0; i < d->output_count; i++) {
 		const struct output *o = &d->outputs[i];
 
-		widen(s, o->argument, s->own[o->argument], row_of(s, o->argument, o->row));
+		widen(s, s->own[o->argument], row_of(s, o->argument, o->row));
 		if (s->period && o->argument == s->divided)
 			s->periods |= 1u << o->row / s->period;
 	}
 	for (int i = 0; i < d->argument_count; i++)
 		if (!s->own[i][0].rows && !s->own[i][1].rows && !has_found(s, d, i))
-			widen(s, i, s->own[i], s->gap ? second_of(s, i) : 0);
+			widen(s, s->own[i], s->gap ? s->second : 0);
 }
 
 /* The places of q, qd and qdd hold the vjp's rows too, and are as far from each other. */
@@ -218,17 +177,17 @@ static void align_periods(struct stretches *s, const struct dag *d)
 {
 	struct stretch all[STRETCHES] = {{0}}, own = s->own[s->divided][0];
 
-	stretch_widen(all, own.first + s->shift);
-	stretch_widen(all, own.first + s->shift + own.rows - 1);
+	widen(s, all, own.first + s->shift);
+	widen(s, all, own.first + s->shift + own.rows - 1);
 	if (s->found.rows) {
-		stretch_widen(all, s->found.first + s->shift);
-		stretch_widen(all, s->found.first + s->shift + s->found.rows - 1);
+		widen(s, all, s->found.first + s->shift);
+		widen(s, all, s->found.first + s->shift + s->found.rows - 1);
 	}
 	for (int i = 0; i < PERIODS; i++)
-		widen_by(s, i, all, s->place[i]);
+		widen_by(s, all, s->place[i]);
 	for (int i = 0; i < d->argument_count; i++)
 		if (i < PERIODS || has_found(s, d, i))
-			widen_by(s, i, s->place[i], all);
+			widen_by(s, s->place[i], all);
 }
 
 /* Where they stand, once the rows are found. */
@@ -236,12 +195,12 @@ static void place_own(struct stretches *s, const struct dag *d)
 {
 	for (int i = 0; i < d->argument_count; i++)
 		if (!s->period || i != s->divided)
-			widen_by(s, s->place_of[i], s->place[s->place_of[i]], s->own[i]);
+			widen_by(s, s->place[s->place_of[i]], s->own[i]);
 	for (int i = 0; i < d->argument_count && s->gap; i++) { /* so that the gap of all arrays is the same */
 		if (s->has_inputs_alone && d->arguments[i].is_output)
 			continue;
-		widen(s, i, s->place[i], second_of(s, i) - s->gap - 1);
-		widen(s, i, s->place[i], second_of(s, i));
+		widen(s, s->place[i], s->second - s->gap - 1);
+		widen(s, s->place[i], s->second);
 	}
 	if (s->period)
 		align_periods(s, d);
@@ -285,7 +244,7 @@ void stretches_make_inputs(struct stretches *s, const struct dag *d)
 	find_gap(s, d);
 	for (size_t i = 0; i < d->count; i++)
 		if (is_read(d, &d->nodes[i]))
-			widen(s, (int)d->nodes[i].arg[0].i, s->own[d->nodes[i].arg[0].i], (int)d->nodes[i].arg[1].i);
+			widen(s, s->own[d->nodes[i].arg[0].i], (int)d->nodes[i].arg[1].i);
 	place_own(s, d);
 }
 

@@ -18,10 +18,9 @@ enum { PERIODS = 3 };
 struct stretches {
 	int period;   /* rows of a vjp after which it goes on in the place of the next array; 0: no array does */
 	int divided;  /* which argument that is */
-	int shift;    /* rows further on that a joint's row of q stands, and of a vjp in its place: q may have more rows than there are
-			 velocities */
+	int shift;    /* rows further on that its row of a joint stands: q may have more rows than there are velocities */
 	int place_of[DAG_ARGUMENTS]; /* whose place an array takes; the vjp's first period that of the first array */
-	int second; /* with a gap: rows from this one on are of second stretches, of q from shift rows further on */
+	int second; /* with a gap: rows from this one on are of second stretches */
 	int gap;    /* rows between both; in shared memory there are none. 0: all is in the first ones */
 	int has_inputs_alone; /* what is written goes to the arrays themselves */
 	unsigned periods; /* those of the vjp that are written, by bits */
@@ -48,9 +47,6 @@ void stretches_make_inputs(struct stretches *s, const struct dag *d);
 
 /* Does the part write every row of its stretches of outputs? */
 int stretches_are_written(const struct stretches *s, const struct dag *d);
-
-/* Does it stand in the second stretch? */
-int stretches_is_second(const struct stretches *s, int argument, int row);
 
 /* Rows that the place of an array has. */
 int stretches_rows(const struct stretches *s, int argument);

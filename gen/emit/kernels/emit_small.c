@@ -124,8 +124,7 @@ static void put_column_small(const struct emission *e, const struct function *p,
 		for (end = row; is_read[end]; end++)
 			;
 		if (end > row)
-			put_small_loop(e, (struct stretch){row, end - row},
-				tiles_divide_q(p) && stretches_is_second(p->tiles, 0, row) ? "(i - gap)" : "i", &loops);
+			put_small_loop(e, (struct stretch){row, end - row}, tiles_divide_q(p) && row >= p->tiles->second ? "(i - gap)" : "i", &loops);
 	}
 	put_small_of(e, "a part", name, text_string(&loops), tiles_divide_q(p) ? ", const size_t gap" : "", out);
 }

@@ -202,7 +202,7 @@ START_TEST(test_too_many)
 }
 END_TEST
 
-/* Of q of a base that moves a joint's row stands one further on. It would catch tiles in which all rows between the base's and a
+/* Of a base that moves q has one row more than qd and tau. It would catch tiles in which all rows between the base's and a
    limb's come with these. */
 START_TEST(test_gap)
 {
