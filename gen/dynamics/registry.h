@@ -63,8 +63,8 @@ enum looped { LOOPED_SINGLE, LOOPED_LANES, LOOPED_BATCH, LOOPED_RELAY };
    are made of qdd read it back. Returns 0, and leaves the DAG empty, where that does not serve the request, or is no gain. */
 int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k, enum looped use);
 
-/* What stands in rows of the output, and is read back there: nothing; qdd, and mu of a vjp (product.c); of a jvp also what M^-1 is
-   to be taken of. */
+/* What stands in rows of the output, and is read back there: nothing; qdd, and mu of a vjp (product.c); of a jvp also what
+   M^-1 is to be taken of. */
 enum handed { HANDED_NOTHING, HANDED_FOUND, HANDED_ALL };
 
 /* The DAG of a product of accelerations once more, the only output, without refinement: for kernels that go on from what the one

@@ -24,7 +24,7 @@ struct emission {
 	const struct part *parts;              /* what the first function does, as parts of the grid; part_count 0: it is whole */
 	int part_count;
 	const struct relay *relay;             /* whose second kernel has these parts; NULL: there is one kernel */
-	const struct part *rounds;             /* of the first function, whose limbs serve small batches: grid/found/found_limbs.h; or NULL */
+	const struct part *rounds;             /* whose limbs serve small batches of the first function (found_limbs.h); or NULL */
 	int is_transposed;                     /* kernels write as in soa (plan/transposed.h); their options say soa */
 	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
 	const char *const *warnings;

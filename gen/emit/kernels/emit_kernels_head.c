@@ -59,8 +59,8 @@ static void put_found(const struct emission *e, struct text *out)
 	const char *name = e->options->name, *function = emit_main(e)->algorithm->name;
 	int levels = emit_hand_levels(e), first = 0;
 
-	text_printf(out, " * %s_%s_launch runs %d kernels, one after the other. In rows of the output each but the last leaves what it makes:\n",
-		name, function, levels + 1);
+	text_printf(out, " * %s_%s_launch runs %d kernels, one after the other. "
+		"In rows of the output each but the last leaves what it makes:\n", name, function, levels + 1);
 	for (int level = 0; level < levels; level++) {
 		int count = emit_hands_of(e, level);
 

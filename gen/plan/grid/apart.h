@@ -18,7 +18,8 @@ int apart_has_places(const struct parts_of *x);
 
 typedef void make_stretches(struct stretches *s, const struct dag *d, int nv);
 
-/* One of these parts: the outputs of an owner, in an order of its lines; `what` is said of it. Then the rows that it reads and
+/* One of these parts: the outputs of an owner, in an order of its lines in which what is handed on is read before it is written
+   over; `what` is said of it. Then the rows that it reads and
    writes, with nv for those of a vjp in the places of inputs, and its bodies. Return 0 when memory runs out. */
 int apart_build(struct part *p, struct share *share, int owner, int number, const char *what, const struct parts_of *x,
 	struct arena *a);

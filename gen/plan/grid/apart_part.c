@@ -1,6 +1,7 @@
 /* A part that shares nothing with others, and its rows. */
 #include "plan/grid/again.h"
 #include "plan/grid/apart.h"
+#include "plan/grid/hands/turns.h"
 #include "plan/grid/places.h"
 
 /* Its bodies, from the first row on. */
@@ -24,6 +25,16 @@ int apart_has_places(const struct parts_of *x)
 }
 
 /* Torques keep the tour's order. */
+static int build(struct part *p, struct share *share, int owner, const char *name, const char *doc, const struct parts_of *x,
+	struct arena *a)
+{
+	if (again_serves(x))
+		return again_build(p, share, owner, name, doc, x, a);
+	if (!part_build_share(p, share, owner, owner + 1, name, doc, x, a))
+		return 0;
+	return (!x->request->is_forward && !request_wants_derivative(x->request)) || part_order(p, ORDERED_PART, x, a);
+}
+
 int apart_build(struct part *p, struct share *share, int owner, int number, const char *what, const struct parts_of *x,
 	struct arena *a)
 {
@@ -31,11 +42,7 @@ int apart_build(struct part *p, struct share *share, int owner, int number, cons
 	const char *doc = text_format(a, "Part %d of it: %s.", number, what);
 
 	p->what = what;
-	if (again_serves(x))
-		return again_build(p, share, owner, name, doc, x, a);
-	if (!part_build_share(p, share, owner, owner + 1, name, doc, x, a))
-		return 0;
-	return (!x->request->is_forward && !request_wants_derivative(x->request)) || part_order(p, ORDERED_PART, x, a);
+	return build(p, share, owner, name, doc, x, a) && turns_delay_stores(&p->function.plan, a);
 }
 
 /* In soa a product's rows stand in the places of inputs (tiles/tiles.h) where the order of lines allows it. */

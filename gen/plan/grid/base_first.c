@@ -14,11 +14,17 @@
 enum { FULL = 300 };
 static const double LEFT = 0.7;
 
-/* In f32 it serves where mu is found with qdd (found.h), and one kernel has more operations than the instruction cache has room
-   for. */
+/* In f32 it serves where mu is found with qdd (found.h), and one kernel has more operations than the instruction cache has
+   room for. H200, ps for each of a million samples, and us of 65536 and 16384: vjp of accelerations, atlas 1570 and 1130
+   (128, 126; 40, 48), g1_29dof 1840 and 1250 (140, 139; 44, 51); but accelerations alone 358 and 580 (27, 53; 13, 28), and
+   jvp 1240 and 1480. */
 enum { LONG_SINGLE = 8200 };
 
-/* Operations of the base's kernel, beyond which its limbs are on two sides; what share of them the second side may have. */
+/* Operations of the base's kernel, beyond which its limbs are on two sides; what share of them the second side may have. The
+   same figures, of one kernel and two, f64: accelerations, simple_humanoid, 4645 operations, 947 and 983 (98, 92; 38, 34),
+   atlas, 6757, 1370 and 1280 (151, 129; 57, 51), g1_29dof, 7457, 1850 and 1350 (157, 134; 59, 51), in aos atlas 2270 and
+   1760; with mu, of the vjp of accelerations: simple_humanoid, 5397, 2320 and 2220 (201, 197; 88, 77), atlas, 7679, 4260 and
+   3110, g1_29dof, 8421, 4230 and 2780. */
 enum { LONG = 5000 };
 static const double LESS = 0.75;
 
@@ -170,36 +176,39 @@ static int make_base(struct part *parts, int *count, struct share *s, int number
 	return make(&parts[sides], sides ? &h.levels->rest : &base, number + sides, what, x, a);
 }
 
-int base_first_divide(struct part *parts, int *before, int *count, int number, const char *of, int whole, const struct parts_of *x,
+int base_first_divide(struct base_first *k, struct part *parts, int number, const char *of, int whole, const struct parts_of *x,
 	struct arena *spare, struct arena *a)
 {
 	static const char WHAT[] = "limbs, where those are found";
-	const struct dag *d = x->raw;
-	int *owner, limb_parts; /* by output of the limbs: its part; parts */
+	int *owner = arena_alloc(spare, x->raw->output_count + 1, sizeof *owner); /* by output of the limbs: its part */
 	struct share s;
 	struct dag limbs;
 
+	*k = (struct base_first){0};
 	if (whole <= FULL)
-		return 1;
-	owner = arena_alloc(spare, d->output_count + 1, sizeof *owner);
-	if (!owner || !divide(&s, &limbs, d, x->tree, spare))
+		return !spare->failed;
+	if (!owner || !divide(&s, &limbs, x->raw, x->tree, spare))
 		return 0;
-	limb_parts = joined_own_beyond(owner, &limbs, x->tree, BASE_ROWS, spare);
-	if (!limb_parts || !make_base(parts, before, &s, number, of, x, spare, a) ||
-		!apart_make_limbs(parts + *before, number + *before, limb_parts, &limbs, owner, WHAT, x, spare, a))
+	k->limbs = joined_own_beyond(owner, &limbs, x->tree, BASE_ROWS, spare);
+	if (!k->limbs || !make_base(parts, &k->before, &s, number, of, x, spare, a) ||
+		!apart_make_limbs(parts + k->before, number + k->before, k->limbs, &limbs, owner, WHAT, x, spare, a))
 		return 0;
-	*count = parts_alive(parts, *before + limb_parts) <= LEFT * whole ? *before + limb_parts : 0;
+	if (parts_alive(parts, k->before + k->limbs) > LEFT * whole)
+		*k = (struct base_first){0};
 	return !spare->failed;
 }
 
 int base_first_make(struct part **parts, int *count, const struct parts_of *x, struct arena *spare, struct arena *a)
 {
-	int before;
+	struct base_first k;
 
 	if (!is_served(x))
 		return 1;
 	*parts = arena_alloc(a, (size_t)x->tree->nv + 2, sizeof **parts);
-	return *parts && base_first_divide(*parts, &before, count, 0, "qdd", plan_alive(&x->whole->plan, spare), x, spare, a);
+	if (!*parts || !base_first_divide(&k, *parts, 0, "qdd", plan_alive(&x->whole->plan, spare), x, spare, a))
+		return 0;
+	*count = k.before + k.limbs;
+	return 1;
 }
 
 int base_first_is(const struct part *parts, int count, const struct request *k)

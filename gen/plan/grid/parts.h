@@ -41,7 +41,8 @@ static inline int parts_are_apart(const struct part *parts, int count)
 	return count && parts[0].function.stretches != NULL;
 }
 
-/* Which of the kernels that run one after the other a part is of: those before the main one by their levels, the main one last. */
+/* Which of the kernels that run one after the other a part is of: those before the main one by their levels, the main one
+   last. */
 static inline int part_kernel(const struct part *p)
 {
 	return p->is_before ? p->level : INT_MAX;

@@ -10,9 +10,12 @@ enum { LEAST_SINGLE = 1400, LEAST_DOUBLE = 2000 };
    what no register holds among them. */
 enum { PRODUCT_BYTES = 560, ALONE_BYTES = 640 };
 
-/* The same of inputs alone, where the rows of a part that shares nothing with others cannot leave as tiles, and values at once in
-   f32. */
-enum { INPUT_BYTES = 700, INPUT_ALIVE = 220 };
+/* The same of inputs alone, where the rows of a part that shares nothing with others cannot leave as tiles: more of them pay
+   where the part, with so many operations, would be longer than the instruction cache without; and values at once of one in
+   f32. H200, ps for each of a million samples, without and with: 656 bytes, of the vjp of accelerations of floating atlas,
+   4630 and 4260, but 1104 bytes, 4890 and 5170; of tau and vjp, 720 bytes, 5409 operations, 1010 and 1070, 1040 bytes, 6447
+   operations, 1710 and 1220; in f32, 568 bytes, 389 values at once, 1570 and 2370. */
+enum { INPUT_BYTES = 700, INPUT_BYTES_LONG = 1100, INPUT_LONG = 6200, INPUT_ALIVE = 220 };
 
 /* Values at once of accelerations in f32, beyond which they would spill, and tiles take the room. */
 enum { FULL_FORWARD = 220 };
@@ -42,11 +45,13 @@ static int are_short(const struct stretches *s, const struct dag *d)
 }
 
 /* Bytes of a sample of a product. */
-static int most_bytes(const struct stretches *s, const struct chosen *x)
+static int most_bytes(const struct function *p, const struct stretches *s, const struct chosen *x)
 {
-	if (s->has_inputs_alone)
-		return parts_are_apart(x->parts, x->count) ? INPUT_BYTES : SHARED_BYTES;
-	return x->count > 1 ? PRODUCT_BYTES : ALONE_BYTES;
+	if (!s->has_inputs_alone)
+		return x->count > 1 ? PRODUCT_BYTES : ALONE_BYTES;
+	if (!parts_are_apart(x->parts, x->count))
+		return SHARED_BYTES;
+	return plan_flops(plan_operations(&p->plan)) > INPUT_LONG ? INPUT_BYTES_LONG : INPUT_BYTES;
 }
 
 /* Where they have room. */
@@ -56,7 +61,7 @@ static void set(struct function *p, const struct stretches *s, const struct chos
 
 	if (!are_short(s, &p->dag) || !tiles_block(bytes))
 		return;
-	if (request_wants_derivative(x->of->request) && bytes > most_bytes(s, x))
+	if (request_wants_derivative(x->of->request) && bytes > most_bytes(p, s, x))
 		return;
 	p->tiles = s;
 }

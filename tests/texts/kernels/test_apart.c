@@ -300,7 +300,8 @@ static void expect_text(const struct subject *s, const char *source)
 	ck_assert_ptr_nonnull(strstr(source, line));
 	snprintf(line, sizeof line, "gridDim.y != %d)", s->parts);
 	ck_assert_ptr_nonnull(strstr(source, line));
-	ck_assert_ptr_nonnull(strstr(source, finds_first(s) ? (strstr(s->scene, "jvp") ? "M^-1 of that" : "the rest, where both are found")
+	ck_assert_ptr_nonnull(strstr(source, finds_first(s)
+		? (strstr(s->scene, "jvp") ? "M^-1 of that" : "the rest, where both are found")
 		: finds_base(s) ? "limbs, where those are found"
 		: s->parts > 1 || s->hands[0] ? "limbs that share nothing with the others"
 								   : "the whole, where some of the motion is made again"));

@@ -77,8 +77,8 @@ static int is_full(const struct parts_of *x, struct arena *a)
 	return plan_alive(&x->whole->plan, a) > (x->options->precision == RNEAGEN_F32 ? FULL_SINGLE : FULL_DOUBLE);
 }
 
-/* By output, the round that stores it. The first nv are qdd; of a vjp rows from 2 nv on are mu, of a jvp the next nv are the second
-   round's. */
+/* By output, the round that stores it. The first nv are qdd; of a vjp rows from 2 nv on are mu, of a jvp the next nv are the
+   second round's. */
 static int *rounds_of(const struct dag *d, const struct parts_of *x, struct arena *a)
 {
 	int nv = x->tree->nv, *round = arena_alloc(a, d->output_count + 1, sizeof *round);
@@ -158,11 +158,6 @@ static int is_together(const struct dag *d, const struct rneagen_options *o)
 	return o->layout == RNEAGEN_AOS && o->precision == RNEAGEN_F32 && plan_flops(plan_operations_of(d, 0, d->count)) <= LONG;
 }
 
-static int finish(struct part *p, int round, const struct parts_of *x, struct arena *spare, struct arena *a)
-{
-	return turns_delay_stores(&p->function.plan, spare) && set_rows(p, round, x, a);
-}
-
 /* In parts where limbs share nothing: of `d`, from parts[first] on. Returns how many there are; 0 when memory runs out. */
 static int make_limbs(
 	struct chain *c, int round, const struct dag *d, int first, struct arena *spare, struct arena *a)
@@ -177,7 +172,7 @@ static int make_limbs(
 	for (int i = 0; i < count; i++) {
 		struct part *p = &c->parts[first + i];
 
-		if (!apart_build(p, &share, i, first + i, c->rounds[round].what, x, a) || !finish(p, round, x, spare, a))
+		if (!apart_build(p, &share, i, first + i, c->rounds[round].what, x, a) || !set_rows(p, round, x, a))
 			return 0;
 	}
 	return count;
@@ -192,17 +187,16 @@ struct kernels {
 static int divide(struct kernels *k, struct chain *c, int round, struct arena *spare, struct arena *a)
 {
 	const struct parts_of *x = &c->made[round].of;
+	struct base_first base;
 	struct part whole;
-	int before, count = 0;
 
 	if (!base_first_serves(x))
 		return 1;
 	memset(&whole, 0, sizeof whole);
 	if (!part_build(&whole, x->raw, "", "", x, spare) || !part_order(&whole, ORDERED_PART, x, spare) ||
-		!base_first_divide(c->parts + c->count, &before, &count, c->count, c->rounds[round].what, whole.alive, x, spare, a))
+		!base_first_divide(&base, c->parts + c->count, c->count, c->rounds[round].what, whole.alive, x, spare, a))
 		return 0;
-	if (count)
-		*k = (struct kernels){before, count - before};
+	*k = (struct kernels){base.before, base.limbs};
 	return 1;
 }
 
@@ -219,7 +213,7 @@ static int make_hands(struct kernels *k, struct chain *c, int round, struct aren
 	if (!apart_make_hands(c->parts + c->count, c->count, &h, x, spare, a))
 		return 0;
 	for (int i = 0; i < h.count; i++)
-		if (!finish(&c->parts[c->count + i], round, x, spare, a))
+		if (!set_rows(&c->parts[c->count + i], round, x, a))
 			return 0;
 	*k = (struct kernels){h.count, make_limbs(c, round, &h.levels->rest, c->count + h.count, spare, a)};
 	return k->main;
@@ -255,7 +249,8 @@ static int add_round(struct chain *c, int round, struct arena *spare, struct are
 	return 1;
 }
 
-/* Kernels that may have stored a row which the last one reads: of a jvp's base those of qdd, of the second round, and of its own. */
+/* Kernels that may have stored a row which the last one reads: of a jvp's base those of qdd, of the second round, and of its
+   own. */
 enum { MOST_STORING = 3 };
 
 /* Are rows read before others are written in their places? */

@@ -2,13 +2,14 @@
 #define RNEAGEN_FOUND_H
 /* A product of accelerations by kernels one after the other, each in parts where limbs share nothing (joined.h).
 
-   A vjp: the first finds qdd and, of the weights w, mu = M^-1 w, which is the vjp by tau. The second takes both from rows of the
-   vjp and makes the rest, the vjp of the torques at that qdd with -mu for its weights (dynamics/product.c). A jvp: the first finds
-   qdd, the second what tau changes by while that qdd stands still, dtau - T_q dq - T_qd dqd, and the third M^-1 of that, each in
-   the rows of the jvp. So nothing of M and its factors waits while the motion is gone over, nor motion while M is factored.
+   A vjp: the first finds qdd and, of the weights w, mu = M^-1 w, which is the vjp by tau. The second takes both from rows of
+   the vjp and makes the rest, the vjp of the torques at that qdd with -mu for its weights (dynamics/product.c). A jvp: the
+   first finds qdd, the second what tau changes by while that qdd stands still, dtau - T_q dq - T_qd dqd, and the third M^-1
+   of that, each in the rows of the jvp. So nothing of M and its factors waits while the motion is gone over, nor motion while
+   M is factored.
 
-   Where the base moves, in f64 and in soa, a kernel that finds accelerations may be two, the base's own first (base_first.h), and
-   one of torques two, one for each side of the base (hands/base_sides.h). */
+   Where the base moves, in soa, a kernel that finds accelerations may be two or three, the base's own first (base_first.h),
+   and one of torques two, one for each side of the base (hands/base_sides.h). */
 
 #include "dynamics/registry.h"
 #include "plan/grid/parts.h"

@@ -3,14 +3,15 @@
 #include "plan/limbs/limb_limits.h"
 #include <string.h>
 
-/* Operations of the longest warps, both kernels together, as a share of those of the longest parts of the kernels beside them: up to
-   this much for large batches, where these are three or more, or two of one part each; else for small ones. H200, us by kernels
-   and by limbs, of 1, 256, 1024, 4096 and 8192 samples, in brackets the share: vjp of floating atlas in f32 (0.33) 35 18, 34 21, 36
-   27, 36 30, 40 32, in f64 (0.31) 74 31, 76 35, 80 42, 81 48, 122 76, of floating hyq in f64 (0.41) 14 14, 20 15, 20 19, 21 21, 21
-   22, of floating panda in f64 (0.44) 9.4 9.6, 10 10, 10 14, 11 16, 12 16; two kernels in parts: g1_29dof in f32 (0.35) 15 13, 15 15,
-   16 20, 16 23, 23 35, in f64 (0.41) 29 20, 29 25, 32 32, 30 38, 44 59, jvrc1 in f32 (0.43) 28 22, 27 26, 29 32, 28 35, 38 37; jvp of
-   floating atlas in f32 (0.39) 42 26, 42 30, 46 36, 45 40, 48 41, in f64 (0.30) 93 36, 93 42, 99 55, 99 80, 145 135, of atlas
-   in f64 (0.47) 47 22, 47 26, 49 33, 52 37, 71 46, of floating hyq in f64 (0.44) 28 17, 29 18, 30 20, 30 23, 30 25. */
+/* Operations of the longest warps, both kernels together, as a share of those of the longest parts of the kernels beside
+   them: up to this much for large batches, where these are three or more, or two of one part each; else for small ones. H200,
+   us by kernels and by limbs, of 1, 256, 1024, 4096 and 8192 samples, in brackets the share: vjp of floating atlas in f32
+   (0.33) 35 18, 34 21, 36 27, 36 30, 40 32, in f64 (0.31) 74 31, 76 35, 80 42, 81 48, 122 76, of floating hyq in f64 (0.41)
+   14 14, 20 15, 20 19, 21 21, 21 22, of floating panda in f64 (0.44) 9.4 9.6, 10 10, 10 14, 11 16, 12 16; two kernels in
+   parts: g1_29dof in f32 (0.35) 15 13, 15 15, 16 20, 16 23, 23 35, in f64 (0.41) 29 20, 29 25, 32 32, 30 38, 44 59, jvrc1 in
+   f32 (0.43) 28 22, 27 26, 29 32, 28 35, 38 37; jvp of floating atlas in f32 (0.39) 42 26, 42 30, 46 36, 45 40, 48 41, in f64
+   (0.30) 93 36, 93 42, 99 55, 99 80, 145 135, of atlas in f64 (0.47) 47 22, 47 26, 49 33, 52 37, 71 46, of floating hyq in
+   f64 (0.44) 28 17, 29 18, 30 20, 30 23, 30 25. */
 static const double SHARE_OF_TWO = 0.42, SHARE = 0.48;
 enum { MOST_LARGE = 8192, MOST_SMALL_SINGLE = 128, MOST_SMALL_DOUBLE = 256 };
 
@@ -48,8 +49,8 @@ static unsigned most_samples(unsigned longest, struct beside kernels, const stru
 	return o->precision == RNEAGEN_F32 ? MOST_SMALL_SINGLE : MOST_SMALL_DOUBLE;
 }
 
-/* All warps, and lanes that make a sample again, read what is found before any of them writes over it: inputs come first, and then
-   they wait for each other. So do the threads of one group; another one might make the last sample again. */
+/* All warps, and lanes that make a sample again, read what is found before any of them writes over it: inputs come first, and
+   then they wait for each other. So do the threads of one group; another one might make the last sample again. */
 static void wait_for_readings(struct limbs *s)
 {
 	for (int w = 0; w < s->warps; w++) {

@@ -1,5 +1,6 @@
-/* The limbs of a base that moves freely meet in the base alone: a vjp takes of each what a hand hands on, sums of a few numbers. So
-   the limbs are on two sides, of which one is a hand, and what is left is shorter than the instruction cache, and holds less. */
+/* The limbs of a base that moves freely meet in the base alone: a vjp takes of each what a hand hands on, sums of a few
+   numbers. So the limbs are on two sides, of which one is a hand, and what is left is shorter than the instruction cache, and
+   holds less. */
 #include "plan/grid/hands/base_sides.h"
 #include "plan/grid/base_first.h"
 #include "plan/grid/hands/finder.h"
@@ -8,11 +9,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Operations of both sides. H200, ps for each of a million samples, and us of 16384, as one part and in two sides: f64, tau and vjp:
-   simple_humanoid, 5479, 925 and 816 (20, 21), anymal_kinova, 5541, 605 and 950 (15, 27), atlas, 7641, 5150 and 1820 (106, 54),
-   g1_29dof, 8359, 3160 and 1050 (69, 43), romeo, 8562, 3120 and 1210 (68, 44), jvrc1, 10048, 5190 and 3950 (84, 92); f32: atlas
-   803 and 579, but 16384 samples 18 and 21, and 4096 16 and 19, jvrc1 1890 and 681 (32, 25). */
-enum { LEAST_DOUBLE = 7000, LEAST_SINGLE = 9400 };
+/* Operations of both sides. H200, ps for each of a million samples, and us of 16384, as one part or whole and in two sides:
+   f64, tau and vjp: simple_humanoid, 5479, 925 and 816 (20, 21), anymal_kinova, 5541, 605 and 950 (15, 27), atlas, 7641, 5150
+   and 1240 (106, 56), g1_29dof, 8359, 3160 and 1010 (69, 44), romeo, 8562, 3120 and 1160 (68, 47), jvrc1, 10048, 5190 and
+   3220 (84, 90); f32: atlas 802 and 578 (18, 20), g1_29dof 507 and 471 (17, 16), jvrc1 1890 and 681 (32, 25). Of the vjp of
+   accelerations, the second round in f32: atlas, 7382, 1134 and 1207 (48, 50), g1_29dof, 8129, 1248 and 1244 (51, 48). */
+enum { LEAST_DOUBLE = 7000, LEAST_SINGLE = 7500 };
+
+/* What both kernels may take, of what the whole takes. */
+static const double MORE = 1.2;
 
 static unsigned operations_of(const struct parts_of *x)
 {
@@ -110,18 +115,12 @@ static int middle(const struct tree *t)
 	return best;
 }
 
-/* Operations that outputs take, the hand's and what it hands on, or all others, which take that from there. */
-static unsigned cone(struct finder *f, const struct hand *m, const unsigned char *own, int is_hands)
+/* Operations that the nodes marked in f->to take, up to those marked in f->beyond. */
+static unsigned count_taken(struct finder *f)
 {
 	const struct dag *d = f->d;
 	unsigned count = 0;
 
-	memset(f->to, 0, d->count);
-	memset(f->beyond, 0, d->count);
-	for (int i = 0; i < m->cut.count; i++)
-		(is_hands ? f->to : f->beyond)[m->cut.nodes[i]] = 1;
-	for (size_t i = 0; i < d->output_count; i++)
-		f->to[d->outputs[i].value.i] |= own[d->outputs[i].row % f->x->tree->nv] == is_hands;
 	for (size_t i = d->count; i-- > 0;) {
 		if (!f->to[i] || f->beyond[i])
 			continue;
@@ -130,6 +129,31 @@ static unsigned cone(struct finder *f, const struct hand *m, const unsigned char
 			f->to[d->nodes[i].arg[k].i] = 1;
 	}
 	return count;
+}
+
+/* Of the outputs of the hand, and what it hands on, or of all others, which take that from there. */
+static unsigned cone(struct finder *f, const struct hand *m, const unsigned char *own, int is_hands)
+{
+	const struct dag *d = f->d;
+
+	memset(f->to, 0, d->count);
+	memset(f->beyond, 0, d->count);
+	for (int i = 0; i < m->cut.count; i++)
+		(is_hands ? f->to : f->beyond)[m->cut.nodes[i]] = 1;
+	for (size_t i = 0; i < d->output_count; i++)
+		f->to[d->outputs[i].value.i] |= own[d->outputs[i].row % f->x->tree->nv] == is_hands;
+	return count_taken(f);
+}
+
+static unsigned whole(struct finder *f)
+{
+	const struct dag *d = f->d;
+
+	memset(f->to, 0, d->count);
+	memset(f->beyond, 0, d->count);
+	for (size_t i = 0; i < d->output_count; i++)
+		f->to[d->outputs[i].value.i] = 1;
+	return count_taken(f);
 }
 
 /* What both kernels take with this side for the hand; UINT_MAX where it is none. Returns 0 when memory runs out. */
@@ -143,7 +167,7 @@ static int look(unsigned *operations, struct finder *f, int first, int end, unsi
 	return 1;
 }
 
-/* Where the base's sums begin with one side, the other's kernel would make that too. */
+/* Where the base's sums begin with one side, the other's kernel would make that too: then both take much more than the whole. */
 int base_sides_find(struct finder *f, unsigned char *own)
 {
 	const struct tree *t = f->x->tree;
@@ -154,17 +178,19 @@ int base_sides_find(struct finder *f, unsigned char *own)
 		return 1;
 	if (!look(&before, f, 1, second, own) || !look(&beyond, f, second, end, own))
 		return 0;
+	if ((before < beyond ? before : beyond) > MORE * whole(f))
+		return 1;
 	return before < beyond ? finder_try(f, 0, 1, second, own) : finder_try(f, 0, second, end, own);
 }
 
-/* Rows of the base first, which are written last. */
+/* Rows of the base first, which are written last, and then of joints before the side's own. */
 int base_sides_rows(struct finder *f, struct hand *m, const unsigned char *own)
 {
 	int nv = f->x->tree->nv, count = 0, rows = finder_rows(f->d);
 
-	for (int i = 0; i < nv; i++)
+	for (int i = 0; i < nv && (f->is_felt || !own[i]); i++)
 		for (int row = i; row < rows && count < m->cut.count; row += nv)
-			if ((f->is_felt || !own[i]) && !f->rows[row])
+			if (!f->rows[row])
 				m->rows[count++] = row;
 	return count > 0 && count == m->cut.count;
 }

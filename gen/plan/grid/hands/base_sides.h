@@ -8,7 +8,8 @@
 struct finder;
 struct hand;
 
-/* May they be? Rows in which nothing can be handed on; between which nodes what is felt of a side goes; one of the sides; rows for what it hands on, 0: there are too few. */
+/* May they be? Rows in which nothing can be handed on; between which nodes what is felt of a side goes; one of the sides;
+   rows for what it hands on, 0: there are too few. */
 int base_sides_may(const struct parts_of *x);
 void base_sides_bar(struct finder *f);
 void base_sides_mark(struct finder *f, const unsigned char *own);

@@ -1,8 +1,8 @@
 #ifndef RNEAGEN_CUT_H
 #define RNEAGEN_CUT_H
 /* The fewest nodes of a DAG through which all goes that some nodes give to others, such as the six numbers of the force on a
-   hand, and up to twelve more for a vjp, or the 27 that a base feels of a limb and six for each further right-hand side: paths that
-   have no node in common are as many (Menger 1927), and are found one after the other (Ford and Fulkerson 1956). */
+   hand, and up to twelve more for a vjp, or the 27 that a base feels of a limb and six for each further right-hand side:
+   paths that have no node in common are as many (Menger 1927), and are found one after the other (Ford and Fulkerson 1956). */
 
 #include "dag/dag.h"
 

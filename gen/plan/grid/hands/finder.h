@@ -23,13 +23,13 @@ static inline int finder_rows(const struct dag *d)
 	return d->arguments[parts_handed(d)].rows;
 }
 
-/* Is it a hand, what `body` carries from body `first` to `end` - 1? A hand that is none has no cut. `own` has room for a row of qd
-   each. The second takes it too. Return 0 when memory runs out. */
+/* Is it a hand, what `body` carries from body `first` to `end` - 1? A hand that is none has no cut. `own` has room for a row
+   of qd each. The second takes it too. Return 0 when memory runs out. */
 int finder_look(struct hand *m, struct finder *f, int body, int first, int end, unsigned char *own);
 int finder_try(struct finder *f, int body, int first, int end, unsigned char *own);
 
-/* The level's DAG with stores of what its hands, from the hand `begin` on, hand on; and a copy without these hands, in which that is
-   read from the last array. Return 0 when memory runs out. */
+/* The level's DAG with stores of what its hands, from the hand `begin` on, hand on; and a copy without these hands, in which
+   that is read from the last array. Return 0 when memory runs out. */
 int finder_share(struct finder *f, struct hand_level *level, int begin);
 int finder_rest(struct finder *f, struct hand_level *level, int begin);
 

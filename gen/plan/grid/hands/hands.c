@@ -264,6 +264,11 @@ static int find_ends(struct finder *f, unsigned char *own)
 
 /* ---- all hands ---- */
 
+static int has_base(const struct parts_of *x)
+{
+	return x->tree->nq != x->tree->nv;
+}
+
 /* tau alone, or in soa with its vjp, since rows hold what is handed on. */
 static int has_rows(const struct parts_of *x, unsigned flops)
 {
@@ -274,7 +279,7 @@ static int has_rows(const struct parts_of *x, unsigned flops)
 
 	for (int i = 0; i < d->argument_count; i++)
 		outputs += d->arguments[i].is_output;
-	if (has_vjp && (o->layout != RNEAGEN_SOA || (o->precision == RNEAGEN_F32 && flops < LEAST_PRODUCT_SINGLE)))
+	if (has_vjp && (o->layout != RNEAGEN_SOA || (o->precision == RNEAGEN_F32 && !has_base(x) && flops < LEAST_PRODUCT_SINGLE)))
 		return 0;
 	return flops >= LEAST && outputs > 0 && outputs == has_tau + has_vjp;
 }
@@ -286,7 +291,7 @@ static int may_have(struct hands *h, const struct parts_of *x, struct arena *a)
 {
 	const struct rneagen_options *o = x->options;
 
-	if (o->strict || (o->precision == RNEAGEN_F32 && o->layout == RNEAGEN_AOS) || (x->tree->nq != x->tree->nv && !base_sides_may(x)) ||
+	if (o->strict || (o->precision == RNEAGEN_F32 && o->layout == RNEAGEN_AOS) || (has_base(x) && !base_sides_may(x)) ||
 		!has_rows(x, plan_flops(plan_operations(&x->whole->plan))))
 		return 0;
 	h->is_full = plan_alive(&x->whole->plan, a) > FULL;
@@ -333,7 +338,7 @@ static int begin(struct finder *f)
 
 int hands_find(struct hands *h, const struct parts_of *x, struct arena *a)
 {
-	struct finder f = {.x = x, .d = x->raw, .h = h, .a = a, .is_base = x->tree->nq != x->tree->nv};
+	struct finder f = {.x = x, .d = x->raw, .h = h, .a = a, .is_base = has_base(x)};
 	unsigned char *own = arena_alloc(a, (size_t)finder_rows(f.d) + 1, 1);
 	int count;
 

@@ -40,8 +40,8 @@ struct hands {
 /* Returns 0 when memory runs out. */
 int hands_find(struct hands *h, const struct parts_of *x, struct arena *a);
 
-/* One side of a base as the hand of a DAG that makes the base's acceleration alone (grid/base_first.h). Returns 0 when memory runs
-   out. */
+/* One side of a base as the hand of a DAG that makes the base's acceleration alone (grid/base_first.h). Returns 0 when memory
+   runs out. */
 int hands_find_felt(struct hands *h, const struct dag *base, const struct parts_of *x, struct arena *a);
 
 #endif
