@@ -10,7 +10,7 @@ from array import array
 from pathlib import Path
 
 sys.dont_write_bytecode = True
-sys.path.append(str(Path(__file__).parents[1] / "support"))
+sys.path.append(str(Path(__file__).parents[1] / "scripts"))
 from checks import ALL, check, finish
 
 RNEARUN, RNEARUN_MPI = sys.argv[1:3]

@@ -98,8 +98,8 @@ enum { MOST_BESIDE_AGAIN = 2048 };
    8192: floating atlas 22 and 42, 25 and 47, g1_29dof 31 and 45, 42 and 51, in aos 32 and 45, 64 and 51. */
 enum { MOST_BESIDE_BASE = 4096 };
 
-/* Beside the sides of a base (grid/hands/base_sides.c). H200, tau and vjp, us by limbs and in sides: f64, 1024, 4096 and
-   8192 samples, floating atlas 13 28, 22 32, 42 and less than 54; f32, 256 and 1024, floating jvrc1 13 18, and less than 20. */
+/* Beside the sides of a base (grid/hands/base_sides.c). H200, tau and vjp, us by limbs and in sides: f64, 1024 and 4096
+   samples, floating atlas 13 28, 22 32; f32, 256 samples, floating jvrc1 13 18. */
 enum { MOST_BESIDE_SIDES_F64 = 4096, MOST_BESIDE_SIDES = 1024 };
 
 /* Outputs that go through windows have no limbs, whose warps would write elements that stand a sample apart (64 to 4096 samples,
