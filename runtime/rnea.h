@@ -133,7 +133,9 @@ enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one function can take */
 	X(MOMENTUM_RATE, "momentum_rate")		      /* without gravity */                                    \
 	X(CORIOLIS, "coriolis")				      /* C qd = bias - gravity, dM/dt = C + C' */              \
 	X(OPSPACE_INERTIA_INVERSE, "opspace_inertia_inverse") /* of a link: J Minv J' */                               \
-	X(OPSPACE_INERTIA, "opspace_inertia")		      /* of a link: its inverse */
+	X(OPSPACE_INERTIA, "opspace_inertia")		      /* of a link: its inverse */                             \
+	X(CONTACT_FORCE, "contact_force")		      /* on the origin of a link that stands */                \
+	X(CONTACT_WRENCH, "contact_wrench")		      /* on a link that stands */
 
 enum rnea_role {
 #define RNEA_ROLE_ENUM(role, word) RNEA_ROLE_##role,

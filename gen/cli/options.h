@@ -40,6 +40,8 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	{"by", required_argument, NULL, OPTION_SCENE + SCENE_BY},                                                      \
 	{"fext", required_argument, NULL, OPTION_SCENE + SCENE_FEXT},                                                  \
 	{"fext-frame", required_argument, NULL, OPTION_SCENE + SCENE_FEXT_FRAME},                                      \
+	{"contact", required_argument, NULL, OPTION_SCENE + SCENE_CONTACT},                                            \
+	{"weld", required_argument, NULL, OPTION_SCENE + SCENE_WELD},                                                  \
 	{"armature", required_argument, NULL, OPTION_SCENE + SCENE_ARMATURE},                                          \
 	{"damping", no_argument, NULL, OPTION_SCENE + SCENE_DAMPING},                                                  \
 	{"friction", optional_argument, NULL, OPTION_SCENE + SCENE_FRICTION},                                          \
@@ -68,7 +70,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"                             com_jacobian, momentum, momentum_matrix, dmomentum; coriolis, opspace_inv.LINK,\n" \
 	"                             opspace.LINK;\n"                                                                \
 	"                             forward dynamics, with tau for an input: qdd, qdd_bound, Minv, dqdd_dq, dqdd_dqd,\n" \
-	"                             dqdd_dNAME\n"                                                                \
+	"                             dqdd_dNAME, contact.LINK, weld.LINK\n"                                                                \
 	"  --jvp N1,N2,...            derivatives of any of these outputs, one after another, times the input jvp_v;\n" \
 	"                             --jvp vjp: second derivatives, those of --vjp times jvp_v\n"                    \
 	"  --vjp N1,N2,...            the input vjp_v times their derivatives; in both, inputs that --fold gives stand still,\n" \
@@ -86,8 +88,8 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"                             7 %, else urdf\n"                                                                    \
 	"  --pose rows|quaternion     pose.LINK: the rows of [R p], unless given; or p, then x y z w\n"               \
 	"  --frame link|world|world-aligned\n"                                                                       \
-	"                             of jacobian.LINK, djacobian.LINK and opspace.LINK: the link's, unless given; the\n" \
-	"                             world's; the world's axes at the link's origin\n"                               \
+	"                             of jacobian.LINK, djacobian.LINK, opspace.LINK and contact.LINK: the link's, unless\n" \
+	"                             given; the world's; the world's axes at the link's origin\n"                               \
 	"  --add-frame NAME=LINK,X,Y,Z,R,P,Y\n"                                                                      \
 	"                             a frame on a link, which --want takes where it takes a link\n"                 \
 	"  --refine 0|1|1:f64|1:f32x2|1:same\n"                                                                      \
@@ -95,6 +97,9 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"                             floats, or in the text's own numbers; unless named in f64 where the text is in f32\n" \
 	"  --fext L1,L2,...           external wrenches on these links\n"                                              \
 	"  --fext-frame link|world    in whose axes\n"                                                                 \
+	"  --contact L1,L2,...        forward dynamics in which the origins of these links stand still, held by forces that\n" \
+	"                             --want contact.LINK tells; --frame says in whose axes\n"                         \
+	"  --weld L1,L2,...           the links stand still as a whole, held by the wrenches of --want weld.LINK\n"                                                                 \
 	"  --armature FILE            rotor inertias: lines JOINT KG_M2; or --armature JOINT=KG_M2\n"                  \
 	"  --damping                  of the URDF\n"                                                                   \
 	"  --friction, --friction=WIDTH\n"                                                                             \

@@ -44,7 +44,7 @@ struct dag_lanes {
 enum section_kind { SECTION_OUT, SECTION_BACK, SECTION_END, SECTION_FREED, SECTION_TOTALS, SECTION_BIAS, SECTION_GRAVITY,
 	SECTION_BY, SECTION_PRODUCTS, SECTION_FACTORS, SECTION_ARTICULATED, SECTION_INVERSE, SECTION_RESIDUAL,
 	SECTION_REFINED, SECTION_BOUND, SECTION_REGRESSOR, SECTION_PLACE, SECTION_JACOBIAN, SECTION_RATE, SECTION_SUBTREE,
-	SECTION_CENTROID, SECTION_FACTORED, SECTION_OPSPACE, SECTION_SWEEPS, SECTION_ROWS, SECTION_INPUTS, SECTION_COLUMNS, SECTION_WAY,
+	SECTION_CENTROID, SECTION_FACTORED, SECTION_OPSPACE, SECTION_CONTACTS, SECTION_SWEEPS, SECTION_ROWS, SECTION_INPUTS, SECTION_COLUMNS, SECTION_WAY,
 	SECTION_COUNT };
 
 /* From this node (and this output) on, the text belongs to going out to a body, or back from it. */
@@ -135,7 +135,8 @@ struct dag {
 	double angle; /* the sine and cosine of a larger one are evaluated as NAN; 0: they are not */
 	size_t limit; /* nodes; 0: as many as memory holds */
 	int failed;   /* sticky: out of memory, an argument, a node or a run too many, a matrix that cannot be solved */
-	/* 1 + the row of qd whose joint moves no mass, where that made it fail; or -1 - the want that has no inverse */
+	/* 1 + the row of qd whose joint moves no mass, where that made it fail; or -1 - the want that has no inverse,
+	   and behind all wants the contact that holds what is held already */
 	int singular;
 	int constant; /* 1 + the number of a want that does not vary, where that made it fail */
 };

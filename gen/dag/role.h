@@ -69,7 +69,9 @@ enum role_rows {
 	X(MOMENTUM_RATE, "momentum_rate", ROWS_WRENCH)                                                                 \
 	X(CORIOLIS, "coriolis", ROWS_ANY)                                                                              \
 	X(OPSPACE_INERTIA_INVERSE, "opspace_inertia_inverse", ROWS_ANY)                                                \
-	X(OPSPACE_INERTIA, "opspace_inertia", ROWS_ANY)
+	X(OPSPACE_INERTIA, "opspace_inertia", ROWS_ANY)                                                                \
+	X(CONTACT_FORCE, "contact_force", ROWS_VECTOR)                                                                 \
+	X(CONTACT_WRENCH, "contact_wrench", ROWS_WRENCH)
 
 enum role {
 #define ROLE_ENUM(role, word, rows) ROLE_##role,

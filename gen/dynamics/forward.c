@@ -1,4 +1,5 @@
 #include "dynamics/forward.h"
+#include "dynamics/contacts.h"
 #include "dynamics/registry.h"
 #include "dynamics/want.h"
 #include "mechanics/tangent.h"
@@ -6,7 +7,9 @@
 
 void forward_enter(const struct tour *r, int body)
 {
+	want_free(r, body);
 	want_pull(r, body);
+	contacts_entered(r, body);
 }
 
 /* M itself, for its factors or to bound an error with. */
@@ -96,24 +99,28 @@ void forward_factor(struct forward *x, struct build *b, struct joint_inputs in)
 		factor(x, d);
 	if (x->singular >= 0)
 		d->failed = d->singular = 1 + x->singular;
+	if (b->k->contact_count && !d->failed)
+		contacts_factor(x, in);
 }
 
 void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 {
 	struct dag *d = b->d;
-	int nv = b->t->nv;
+	int nv = b->t->nv, found = contacts_found(b);
 
 	forward_factor(x, b, in);
 	b->forward = x;
-	x->qdd = arena_alloc(d->arena, (size_t)nv, sizeof *x->qdd);
+	x->qdd = arena_alloc(d->arena, (size_t)found, sizeof *x->qdd);
 	x->looped = b->loops ? arena_alloc(d->arena, DAG_ARGUMENTS * (size_t)nv, 1) : NULL;
 	if (!x->qdd || (b->loops && !x->looped))
 		d->failed = 1;
 	for (int i = 0; i < nv && !d->failed; i++)
 		x->qdd[i] = dag_sub(d, source_row(d, &x->torques, i), x->tour.tau[i]);
+	for (int i = nv; i < found && !d->failed; i++)
+		x->qdd[i] = dag_neg(d, b->accelerated[i - nv]);
 	forward_solve(x, x->qdd);
-	for (int i = 0; i < nv && !d->failed; i++)
-		x->qdd[i] = dag_add(d, x->tour.eased[i], x->qdd[i]);
+	for (int i = 0; i < found && !d->failed; i++)
+		x->qdd[i] = i < nv ? dag_add(d, x->tour.eased[i], x->qdd[i]) : dag_neg(d, x->qdd[i]);
 	if (request_wants(b->k, WANT_QDD_BOUND))
 		forward_part(d, x->qdd, nv);
 	tag_rows(x, "qdd", x->qdd);
@@ -125,7 +132,7 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 
 int forward_pivot_count(const struct tree *t, const struct request *k)
 {
-	int count = t->nv;
+	int count = t->nv + k->contact_rows;
 
 	for (int i = 0; i < k->want_count; i++)
 		count += k->wants[i].kind == WANT_OPSPACE ? 6 : 0;
@@ -150,6 +157,8 @@ void forward_pivots(const struct forward *x, struct joint_inputs in)
 		pairs[2 * row + 1] = x->mass.by[BY_QDD].element[row * nv + row];
 	}
 	want_places(b, in);
+	contacts_pivots(x, pairs + at);
+	at += 2 * b->k->contact_rows;
 	for (int i = 0; i < b->k->want_count && !d->failed; i++)
 		if (b->k->wants[i].kind == WANT_OPSPACE) {
 			opspace_pivots(b, i, pairs + at);
@@ -165,6 +174,8 @@ void forward_solve(const struct forward *x, struct ref *rhs)
 		return;
 	if (x->b->dynamics == DYNAMICS_ARTICULATED)
 		articulated_solve(&x->bodies, rhs);
+	else if (x->b->k->contact_count)
+		contacts_solve(x, rhs);
 	else
 		factor_solve(&x->M, rhs);
 }
@@ -203,7 +214,7 @@ static void negate_column(const struct forward *x, struct ref *column, int j, in
 	struct dag *d = x->b->d;
 
 	dag_section(d, SECTION_BY, tree_joint_of_row(x->b->t, j)->body);
-	for (int i = 0; i < x->b->t->nv; i++)
+	for (int i = 0; i < contacts_found(x->b); i++)
 		column[i] = dag_neg(d, column[i]);
 	if (is_solved)
 		forward_solve(x, column);
@@ -301,6 +312,7 @@ void forward_outputs(const struct forward *x, int qdd_out, int inverse_out)
 		return;
 	for (int i = 0; i < nv && qdd_out >= 0; i++)
 		dag_output(d, qdd_out, i, x->qdd[i]);
+	contacts_outputs(x);
 	if (inverse_out < 0)
 		return;
 	dag_section(d, SECTION_INVERSE, 0);

@@ -31,8 +31,10 @@ struct forward {
 	struct recursion mass;
 	struct articulated bodies;
 	struct factor M;
+	struct ref *Y;          /* of contacts, by row of theirs and of qd: L' Y = J' (contacts.c) */
+	struct factor S;        /* J M^-1 J' */
 	struct pattern coupled; /* of the derivatives of qdd */
-	struct ref *qdd;        /* [nv] */
+	struct ref *qdd;        /* [nv], then the contacts' forces */
 	unsigned char *looped;  /* [arguments][nv]: columns that are left to a loop; NULL: none */
 	int singular;           /* the row of qd that moves no mass, -1 where all do */
 };
@@ -102,7 +104,7 @@ int forward_loops(struct loops *x, const struct tree *t, int dense, int is_in_pl
 /* Does the loop over column j of nv read row i? */
 int loops_read(const struct loops *x, int nv, int i, int j);
 
-/* M y = rhs in place, by rows of qd. */
+/* M y = rhs in place, by rows of qd; with contacts also J y, and what they pull less (contacts.h). */
 void forward_solve(const struct forward *x, struct ref *rhs);
 
 #endif

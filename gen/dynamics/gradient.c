@@ -2,8 +2,8 @@
 #include "dag/derive.h"
 #include "mechanics/tangent.h"
 #include "tree/pattern.h"
+#include "dynamics/contacts.h"
 #include "dynamics/forward.h"
-#include "dynamics/want.h"
 #include <string.h>
 
 enum varied { VARIED_Q, VARIED_QD, VARIED_QDD, VARIED_COUNT };
@@ -40,6 +40,11 @@ static void clear(struct gradient *g)
 	g->other = -1;
 }
 
+static int rows_of(const struct gradient *g)
+{
+	return contacts_found(g->r->context);
+}
+
 static struct ref along(struct gradient *g, int torque)
 {
 	return g->dot[g->x.roots[torque].i];
@@ -50,7 +55,7 @@ static void output_matrix(struct gradient *g, enum varied varied, int is_solved,
 {
 	int nv = g->t->nv;
 	struct pattern p;
-	struct ref *unit = arena_alloc(g->d->arena, (size_t)nv, sizeof *unit);
+	struct ref *unit = arena_alloc(g->d->arena, (size_t)rows_of(g), sizeof *unit);
 
 	if (!unit || !pattern_make(&p, g->t, 0, g->r->request->dense, g->d->arena)) {
 		g->d->failed = 1;
@@ -66,7 +71,7 @@ static void output_matrix(struct gradient *g, enum varied varied, int is_solved,
 		else
 			g->along[varied][j] = unit[j];
 		derive_forward(&g->x, seed, g, g->dot);
-		for (int i = 0; i < nv; i++)
+		for (int i = 0; i < rows_of(g); i++)
 			unit[i] = along(g, i);
 		if (is_solved)
 			forward_column(g->forward, unit, j, argument);
@@ -80,7 +85,7 @@ static void output_matrix(struct gradient *g, enum varied varied, int is_solved,
 static void output_by_freed(struct gradient *g, const struct want *w, int argument)
 {
 	const struct freed *f = &g->r->request->freed[w->body];
-	struct ref *column = arena_alloc(g->d->arena, (size_t)g->t->nv, sizeof *column);
+	struct ref *column = arena_alloc(g->d->arena, (size_t)rows_of(g), sizeof *column);
 	int is_solved = w->kind == WANT_DQDD_DFREED;
 
 	if (!column) {
@@ -93,7 +98,7 @@ static void output_by_freed(struct gradient *g, const struct want *w, int argume
 		g->other = dag_find_argument(g->d, f->argument);
 		g->other_row = j;
 		derive_forward(&g->x, seed, g, g->dot);
-		for (int i = 0; i < g->t->nv; i++)
+		for (int i = 0; i < rows_of(g); i++)
 			column[i] = is_solved ? dag_neg(g->d, along(g, i)) : along(g, i);
 		if (is_solved)
 			forward_solve(g->forward, column);
@@ -112,7 +117,7 @@ static int begin(struct gradient *g, const struct tour *r, const struct forward 
 	g->along[VARIED_Q] = arena_alloc(a, (size_t)t->nq, sizeof(struct ref));
 	g->along[VARIED_QD] = arena_alloc(a, (size_t)t->nv, sizeof(struct ref));
 	g->along[VARIED_QDD] = arena_alloc(a, (size_t)t->nv, sizeof(struct ref));
-	if (a->failed || !derive_begin(&g->x, g->d, r->tau, t->nv))
+	if (a->failed || !derive_begin(&g->x, g->d, ((const struct build *)r->context)->torques, rows_of(g)))
 		return 0;
 	g->dot = arena_alloc(a, g->x.count, sizeof *g->dot);
 	return g->dot != NULL;

@@ -6,7 +6,7 @@
    that outputs put on qdd are collected, mu = M^-1 of them is the derivative by tau, and a sweep with -mu on ID gives all
    else. */
 #include "dag/derive.h"
-#include "dynamics/want.h"
+#include "dynamics/contacts.h"
 #include "mechanics/tangent.h"
 #include <string.h>
 
@@ -53,11 +53,11 @@ int product_is_of_torques(const struct build *b, int want)
 static int begin(struct sweep *s, struct build *b, struct joint_inputs in, const struct product *p)
 {
 	struct arena *a = b->d->arena;
-	size_t nq = (size_t)b->t->nq, nv = (size_t)b->t->nv, most = (size_t)p->rows + nv;
+	size_t nq = (size_t)b->t->nq, nv = (size_t)b->t->nv, found = (size_t)contacts_found(b), most = (size_t)p->rows + found;
 
 	*s = (struct sweep){.b = b, .d = b->d, .in = in, .arguments = {in.q.argument, in.qd.argument, in.qdd.argument},
 		.count = p->rows, .along = {arena_alloc(a, nq, sizeof(struct ref)), arena_alloc(a, nv, sizeof(struct ref)),
-			arena_alloc(a, nv, sizeof(struct ref))},
+			arena_alloc(a, found, sizeof(struct ref))},
 		.roots = arena_alloc(a, most, sizeof(struct ref)), .weights = arena_alloc(a, most, sizeof(struct ref))};
 	return !a->failed;
 }
@@ -66,10 +66,12 @@ static int begin(struct sweep *s, struct build *b, struct joint_inputs in, const
 static void find_roots(const struct sweep *s, int want, struct ref *roots)
 {
 	struct dag *d = s->d;
-	int is_held = s->b->forward && s->b->k->wants[want].kind == WANT_QDD;
+	const struct want *w = &s->b->k->wants[want];
+	const struct contact *c = request_contact_of(s->b->k, w);
+	int is_held = s->b->forward && (c || w->kind == WANT_QDD), first = c ? s->b->t->nv + c->first : 0;
 
-	for (int i = 0; i < s->b->t->nv && is_held; i++)
-		roots[i] = dag_input(d, DAG_HELD, i);
+	for (int i = 0; i < w->rows && is_held; i++)
+		roots[i] = dag_input(d, DAG_HELD, first + i);
 	for (size_t i = 0; i < d->output_count && !is_held; i++)
 		if (d->outputs[i].argument == s->b->outputs[want])
 			roots[d->outputs[i].row] = d->outputs[i].value;
@@ -163,17 +165,19 @@ static void sweep_forward(struct sweep *s, struct ref *values, int count)
 /* dqdd = M^-1 (dtau - T_q dq - T_qd dqd), while qdd stands still. */
 static void vary_found(struct sweep *s, const struct ref *dtau)
 {
-	int nv = s->b->t->nv;
+	int nv = s->b->t->nv, found = contacts_found(s->b);
 	struct ref *x = s->roots + s->count;
 
-	memcpy(x, s->b->torques, (size_t)nv * sizeof *x);
-	sweep_forward(s, x, nv);
-	for (int i = 0; i < nv && !s->d->failed; i++)
-		x[i] = dag_sub(s->d, dtau[i], x[i]);
+	memcpy(x, s->b->torques, (size_t)found * sizeof *x);
+	sweep_forward(s, x, found);
+	for (int i = 0; i < found && !s->d->failed; i++)
+		x[i] = i < nv ? dag_sub(s->d, dtau[i], x[i]) : dag_neg(s->d, x[i]);
 	for (int i = 0; i < nv && s->b->handed == HANDED_ALL && !s->d->failed; i++)
 		x[i] = want_hand_on(s->b, i, x[i], "rhs");
 	forward_solve(s->b->forward, x);
-	memcpy(s->along[VARIED_QDD], x, (size_t)nv * sizeof *x);
+	for (int i = nv; i < found && !s->d->failed; i++)
+		x[i] = dag_neg(s->d, x[i]);
+	memcpy(s->along[VARIED_QDD], x, (size_t)found * sizeof *x);
 }
 
 static void output_jvp(struct sweep *s, int argument)
@@ -228,18 +232,22 @@ static struct ref *sweep_backward(struct sweep *s, struct derivable *x, int coun
 static int weigh_found(struct sweep *s)
 {
 	struct dag *d = s->d;
-	int nv = s->b->t->nv;
+	int nv = s->b->t->nv, found = contacts_found(s->b);
 	struct ref *mu = s->weights + s->count;
 	struct derivable x;
 	struct ref *bar = sweep_backward(s, &x, s->count);
 
-	for (int i = 0; i < nv && !d->failed; i++)
+	for (int i = 0; i < found && !d->failed; i++) {
 		mu[i] = bar_of(&x, bar, DAG_HELD, i);
+		mu[i] = i < nv ? mu[i] : dag_neg(d, mu[i]);
+	}
 	forward_solve(s->b->forward, mu);
 	for (int i = 0; i < nv && !d->failed; i++)
 		mu[i] = dag_neg(d, want_hand_on(s->b, 2 * nv + i, mu[i], "mu"));
-	memcpy(s->roots + s->count, s->b->torques, (size_t)nv * sizeof *mu);
-	return s->count + nv;
+	for (int i = nv; i < found && !d->failed; i++)
+		mu[i] = dag_neg(d, mu[i]);
+	memcpy(s->roots + s->count, s->b->torques, (size_t)found * sizeof *mu);
+	return s->count + found;
 }
 
 static void output_by(const struct sweep *s, const struct derivable *x, const struct ref *bar)

@@ -1,7 +1,7 @@
 #include "dynamics/singular.h"
 #include "dag/eval.h"
 #include "draw/draw.h"
-#include "dynamics/want.h"
+#include "dynamics/contacts.h"
 #include <math.h>
 
 /* A number of D is zero where M is singular; computed, some 1e-19 of the element of M that it is what is left of, and more where
@@ -60,6 +60,16 @@ static int nth_opspace(const struct request *k, int n)
 	return i;
 }
 
+/* What the pivot of this number makes of d->singular. */
+static int singular_of(int pivot, const struct tree *t, const struct request *k)
+{
+	int beyond = pivot - t->nv;
+
+	if (beyond < 0)
+		return 1 + pivot;
+	return beyond < k->contact_rows ? contacts_singular(k, beyond) : -1 - nth_opspace(k, (beyond - k->contact_rows) / 6);
+}
+
 /* Rows are eliminated one after the other. The first that leaves nothing spoils the others, which are then no small numbers. */
 static void judge(struct dag *d, const struct dag *trial, const struct tree *t, const struct request *k, struct arena *a)
 {
@@ -83,7 +93,7 @@ static void judge(struct dag *d, const struct dag *trial, const struct tree *t, 
 		}
 		if (is_nothing) {
 			d->failed = 1;
-			d->singular = i < t->nv ? 1 + i : -1 - nth_opspace(k, (i - t->nv) / 6);
+			d->singular = singular_of(i, t, k);
 		}
 	}
 }
@@ -96,7 +106,7 @@ int singular_find(struct dag *d, const struct tree *t, const struct request *k)
 	arena_init(&spare, &d->arena->allocator);
 	dag_init(&trial, &spare);
 	want_build_in(&trial, t, k, (struct ways){.derivatives = DERIVATIVES_RECURSION,
-		.dynamics = articulated_is_shorter(t) ? DYNAMICS_ARTICULATED : DYNAMICS_FACTOR, .pivots_alone = 1});
+		.dynamics = articulated_is_shorter(t) && !k->contact_count ? DYNAMICS_ARTICULATED : DYNAMICS_FACTOR, .pivots_alone = 1});
 	d->failed |= trial.failed;
 	d->singular = trial.singular;
 	if (!d->failed)

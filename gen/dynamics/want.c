@@ -1,6 +1,6 @@
 /* The request of a scene: torques from what it gives and frees, and whatever else it asks for. The DAG drops what nobody
    needs, so each quantity is simply computed where its operands are at hand. */
-#include "dynamics/want.h"
+#include "dynamics/contacts.h"
 #include <string.h>
 
 /* ---- inputs ---- */
@@ -185,7 +185,7 @@ static void run_main(struct build *b, struct joint_inputs in)
 		end_recursion(b);
 	want_rate(b, &r);
 	output_scalars(b, &r);
-	b->torques = r.tau;
+	b->torques = contacts_join(b, r.tau);
 	gradient_outputs(&r, b->forward, b->outputs, b->done);
 	if (b->way && b->recursion.r && !b->d->failed)
 		recursion_loop(&b->recursion);
@@ -231,9 +231,11 @@ static void rate_entered(const struct tour *r, int body)
 
 void want_places(struct build *b, struct joint_inputs in)
 {
+	if (b->places.bodies)
+		return;
 	b->places = (struct kinematics){.d = b->d, .t = b->t, .k = b->k, .in = in, .parameters = b->parameters,
 		.outputs = b->outputs, .gives_rate = want_gives_rate(b) && !is_gravity_alone(b)};
-	if (request_wants_any(b->k, IS_PLACED))
+	if (request_wants_any(b->k, IS_PLACED) || b->k->contact_count)
 		kinematics_run(&b->places);
 }
 
@@ -259,6 +261,8 @@ static int alloc(struct build *b)
 	b->pushed = arena_alloc(a, (size_t)b->k->push_count, sizeof *b->pushed);
 	b->outputs = arena_alloc(a, (size_t)b->k->want_count, sizeof *b->outputs);
 	b->done = arena_alloc(a, (size_t)b->k->want_count, 1);
+	b->forces = arena_alloc(a, (size_t)b->k->contact_rows, sizeof *b->forces);
+	b->accelerated = arena_alloc(a, (size_t)b->k->contact_rows, sizeof *b->accelerated);
 	return !a->failed;
 }
 
@@ -315,6 +319,8 @@ static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x
 	for (int i = 0; i < b->t->nv && b->handed && !b->d->failed; i++)
 		x->qdd[i] = want_hand_on(b, i, x->qdd[i], "qdd");
 	in->qdd = (struct source){.argument = DAG_HELD};
+	for (int i = 0; i < b->k->contact_rows && !b->d->failed; i++)
+		b->forces[i] = dag_input(b->d, DAG_HELD, b->t->nv + i);
 	forward_bound(x, *in, output_of(b, WANT_QDD_BOUND));
 }
 

@@ -17,9 +17,11 @@ struct build {
 	struct parameters **parameters;
 	struct ref *own[OWN_TERMS]; /* by body; as the tour's */
 	int *pushed, *outputs; /* arguments, by push and by want */
+	struct ref *forces;      /* by row of contacts: what they pull at the tour's bodies with */
+	struct ref *accelerated; /* the same rows: how they accelerate, by the last tour */
 	char *done;            /* by want: the recursion writes it */
 	struct ref kinetic;
-	struct ref *torques;   /* ID(q, qd, qdd) of the main tour; NULL: it did not come back */
+	struct ref *torques;   /* ID(q, qd, qdd) of the main tour, then how contacts accelerate; NULL: it did not come back */
 	enum derivatives derivatives;
 	enum dynamics dynamics;
 	int pivots_alone;
@@ -68,6 +70,12 @@ void want_rate(const struct build *b, const struct tour *r);
 
 /* The wrenches from outside on a body that has been entered; where they are in axes of the world, the body's orientation. */
 void want_pull(const struct tour *r, int body);
+
+/* One that pulls at p, in the body's axes. */
+void want_pull_at(const struct tour *r, int body, const struct within p[3], struct svec f, struct svec n);
+
+/* The acceleration of its origin with gravity, where contacts are on it or a scene asks for accelerations. */
+void want_free(const struct tour *r, int body);
 
 /* What joins a tour: the tour's context is a struct build. */
 void want_world(const struct tour *r);

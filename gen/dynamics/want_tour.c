@@ -1,11 +1,11 @@
 /* Where bodies are, the wrenches that pull at them, and what is asked of their motions and joints: what joins a tour on its
    way out and back. */
-#include "dynamics/want.h"
+#include "dynamics/contacts.h"
 #include "tree/lumps.h"
 
 static int needs_pose(const struct request *k)
 {
-	return k->push_count && k->in_world;
+	return (k->push_count && k->in_world) || (k->contact_count && k->frame == FRAME_WORLD_ALIGNED);
 }
 
 /* The world's frame; gravity is not subtracted from free_a. */
@@ -63,18 +63,27 @@ static void output_links(const struct tour *r, int body)
 	}
 }
 
+void want_pull_at(const struct tour *r, int body, const struct within p[3], struct svec f, struct svec n)
+{
+	struct dag *d = r->d;
+	struct frame *x = &r->frames[body + 1];
+
+	x->f = svec_sub(d, x->f, f);
+	x->n = svec_sub(d, x->n, svec_add(d, n, svec_cross(d, svec_const(d, p), f)));
+}
+
 /* A wrench (f, n) at a link's origin takes R f and R n + p x R f off what the body's joint must bear. */
-static void pull(const struct tour *r, const struct push *p, int argument, struct frame *x)
+static void pull(const struct tour *r, const struct push *p, int argument, int body)
 {
 	struct dag *d = r->d;
 	const struct build *b = r->context;
+	const struct smat *R0 = &r->frames[body + 1].R0;
 	struct svec f = svec_input(d, argument, 0), n = svec_input(d, argument, 3);
 	struct smat R = smat_const(d, &p->X.R);
 
-	f = b->k->in_world ? smat_mul_transposed(d, &x->R0, f) : smat_mul(d, &R, f);
-	n = b->k->in_world ? smat_mul_transposed(d, &x->R0, n) : smat_mul(d, &R, n);
-	x->f = svec_sub(d, x->f, f);
-	x->n = svec_sub(d, x->n, svec_add(d, n, svec_cross(d, svec_const(d, p->X.p), f)));
+	f = b->k->in_world ? smat_mul_transposed(d, R0, f) : smat_mul(d, &R, f);
+	n = b->k->in_world ? smat_mul_transposed(d, R0, n) : smat_mul(d, &R, n);
+	want_pull_at(r, body, p->X.p, f, n);
 }
 
 void want_pull(const struct tour *r, int body)
@@ -87,20 +96,30 @@ void want_pull(const struct tour *r, int body)
 		place(r, k, &r->frames[k->parent + 1], x);
 	for (int i = 0; i < b->k->push_count; i++)
 		if (b->k->pushes[i].body == body)
-			pull(r, &b->k->pushes[i], b->pushed[i], x);
+			pull(r, &b->k->pushes[i], b->pushed[i], body);
+}
+
+void want_free(const struct tour *r, int body)
+{
+	const struct build *b = r->context;
+	const struct frame *parent = &r->frames[r->t->bodies[body].parent + 1];
+
+	if (b->k->contact_count || request_wants(b->k, WANT_ACCEL))
+		r->frames[body + 1].free_a = tour_acceleration(r, body, parent->free_a);
 }
 
 void want_entered(const struct tour *r, int body)
 {
 	struct build *b = r->context;
 	const struct body *k = &r->t->bodies[body];
-	struct frame *x = &r->frames[body + 1], *parent = &r->frames[k->parent + 1];
+	struct frame *x = &r->frames[body + 1];
 	struct parameters known = rigid_body_parameters(r->d, &k->inertia);
 	const struct parameters *p = b->parameters[body] ? b->parameters[body] : &known;
 
-	if (request_wants(b->k, WANT_ACCEL))
-		x->free_a = tour_acceleration(r, body, parent->free_a);
+	want_free(r, body);
 	want_pull(r, body);
+	contacts_entered(r, body);
+	contacts_pull(r, body);
 	if (request_wants(b->k, WANT_KINETIC))
 		b->kinetic = dag_add(r->d, b->kinetic, rigid_body_kinetic(r->d, p, &x->motion));
 	output_links(r, body);

@@ -130,7 +130,7 @@ int algorithm_build_looped(struct dag *d, const struct tree *t, const struct req
 	if (!request_wants(k, WANT_DQDD_DQ) && !request_wants(k, WANT_DQDD_DQD))
 		return 0;
 	if (k->dynamics == DYNAMICS_ARTICULATED || k->refine_steps || request_wants_any(k, IS_PRODUCT) ||
-		k->stored_count < k->want_count || (is_relay && !is_relayed(k)) ||
+		k->stored_count < k->want_count || k->contact_count || (is_relay && !is_relayed(k)) ||
 		(use == LOOPED_LANES && t->mimic_count) || !forward_loops(&loops, t, k->dense, is_in_place, d->arena))
 		return 0;
 	loops.is_relay = is_relay;

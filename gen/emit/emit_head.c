@@ -131,6 +131,8 @@ static void put_motion(const struct request *k, const struct want *w, struct tex
 	if (want_is(w->kind, IS_OPSPACE))
 		text_printf(out, w->kind == WANT_OPSPACE ? ", inverse of J Minv J', in %s" : ", J Minv J', in %s",
 			frames[k->frame]);
+	if (want_is(w->kind, OF_CONTACT))
+		text_printf(out, ", what holds it, in %s", frames[k->frame]);
 	if (w->kind == WANT_COM || w->kind == WANT_VCOM)
 		text_put(out, "in the world");
 	if (w->kind == WANT_COM_JACOBIAN || w->kind == WANT_MOMENTUM_MATRIX)

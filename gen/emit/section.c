@@ -81,6 +81,9 @@ static const char *const OTHERS[SECTION_COUNT] = {[SECTION_END] = "tau of a driv
 	[SECTION_OPSPACE] =
 		"inverse = J Minv J' = Y' D^-1 Y;  by factors: M = L'D L, L'Y = J';  by articulated bodies: Y = what\n\t   "
 		"joints feel of unit wrenches on the link",
+	[SECTION_CONTACTS] =
+		"J accelerates what stands, to nothing: M qdd - J' f = tau - bias, J qdd + dJ/dt qd = 0;  M = L'D L, L'Y = J',\n\t   "
+		"S = Y' D^-1 Y;  L'y = tau - ID;  f = -S^-1 (Y' D^-1 y + a);  L d = D^-1 (y + Y f);  qdd = qdd_0 + d",
 	[SECTION_RATE] = "dJ/dt qd = the acceleration that is left where qdd = 0",
 	[SECTION_PRODUCTS] = "jvp = d tau/d q v_q + d tau/d qd v_qd + M v_qdd;  vjp = v' d tau/d q, v' d tau/d qd, v' M"};
 
@@ -145,6 +148,7 @@ static const char *const SECTION_TITLES[SECTION_COUNT] = {[SECTION_END] = "torqu
 	[SECTION_RATE] = "from here on without accelerations and gravity",
 	[SECTION_CENTROID] = "centre of mass and momentum",
 	[SECTION_FACTORED] = "factors of the mass matrix",
+	[SECTION_CONTACTS] = "forces on what stands, and qdd with them",
 	[SECTION_PRODUCTS] = "derivatives times vectors, and by what is freed"};
 
 /* Of others, what is before the name of a joint, or before the number and the name of a link. */

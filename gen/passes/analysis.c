@@ -103,6 +103,14 @@ static enum rneagen_code refuse_inverse(const struct analysis *a, const struct w
 		"opspace_inv%.255s", a->options.file, w->word, name + 1, name);
 }
 
+/* Contacts that hold what others, or the joints, hold already. */
+static enum rneagen_code refuse_contact(const struct analysis *a, const struct contact *c)
+{
+	return error_set(a->error, RNEAGEN_TREE,
+		"%s: '%.255s' cannot stand so in any state: the joints do not move it in all %d directions, or other links that "
+		"stand hold it already%s", a->options.file, c->name, c->rows, c->rows == 6 ? ": take --contact, its origin alone" : "");
+}
+
 /* In an arena of its own, which goes again. */
 enum rneagen_code pass_dag_build(struct analysis *a)
 {
@@ -115,6 +123,8 @@ enum rneagen_code pass_dag_build(struct analysis *a)
 	dag_close(&a->raw);
 	if (a->raw.singular > 0)
 		return refuse_singular(a, a->raw.singular - 1);
+	if (a->raw.singular < -a->request.want_count)
+		return refuse_contact(a, &a->request.contacts[-1 - a->raw.singular - a->request.want_count]);
 	if (a->raw.singular < 0)
 		return refuse_inverse(a, &a->request.wants[-1 - a->raw.singular]);
 	if (a->raw.constant)

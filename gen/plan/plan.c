@@ -370,7 +370,7 @@ void plan_dump(const struct plan *p, struct text *t)
 		[LINE_JOIN] = "join"};
 	static const char *const kinds_of_section[SECTION_COUNT] = {"out", "back", "end", "freed", "totals", "bias",
 		"gravity", "by", "products", "factors", "articulated", "inverse", "residual", "refined", "bound", "regressor",
-		"place", "jacobian", "rate", "subtree", "centroid", "factored", "opspace", "sweeps", "rows", "columns", "way"};
+		"place", "jacobian", "rate", "subtree", "centroid", "factored", "opspace", "contacts", "sweeps", "rows", "columns", "way"};
 
 	for (size_t i = 0; i < p->line_count; i++) {
 		const struct line *l = &p->lines[i];

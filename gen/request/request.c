@@ -229,6 +229,7 @@ static int alloc(struct resolver *x)
 	k->tau = arena_alloc(a, nv, sizeof *k->tau);
 	k->freed = arena_alloc(a, most, sizeof *k->freed);
 	k->pushes = arena_alloc(a, most, sizeof *k->pushes);
+	k->contacts = arena_alloc(a, most, sizeof *k->contacts);
 	k->wants = arena_alloc(a, most + 2, sizeof *k->wants); /* jvp and vjp */
 	k->by = arena_alloc(a, most, sizeof *k->by);
 	k->jvp.of = arena_alloc(a, most, sizeof *k->jvp.of);
@@ -243,7 +244,7 @@ static int alloc(struct resolver *x)
 static int has_choice(const struct scene *s)
 {
 	static const enum scene_key keys[] = {SCENE_FOLD, SCENE_FREE, SCENE_WANT, SCENE_JVP, SCENE_VJP, SCENE_BY,
-		SCENE_FEXT, SCENE_ARMATURE, SCENE_DAMPING, SCENE_FRICTION};
+		SCENE_FEXT, SCENE_CONTACT, SCENE_WELD, SCENE_ARMATURE, SCENE_DAMPING, SCENE_FRICTION};
 
 	for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
 		if (scene_next(s, keys[i], NULL))
@@ -305,7 +306,8 @@ enum rneagen_code request_resolve(struct request *k, struct tree *t, const struc
 	x.k->in_world = frame && !strcmp(frame->value, "world");
 	request_forms(&x);
 	if (each(&x, SCENE_ADD_FRAME, request_add_frame) || each(&x, SCENE_FOLD, fold) || request_own_terms(&x) ||
-		each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) || each(&x, SCENE_WANT, request_want) ||
+		each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) || each(&x, SCENE_CONTACT, request_contact) ||
+		each(&x, SCENE_WELD, request_contact) || each(&x, SCENE_WANT, request_want) ||
 		request_products(&x) || check_arrays(&x) || each(&x, SCENE_RANGE, request_range))
 		return e->code;
 	if (!x.k->want_count)
@@ -313,7 +315,7 @@ enum rneagen_code request_resolve(struct request *k, struct tree *t, const struc
 	if (!x.k->stored_count)
 		x.k->stored_count = x.k->want_count;
 	x.k->is_motion = is_motion(x.k);
-	if (check_arrays(&x) || check_forward(&x) || check_dynamics(&x))
+	if (check_arrays(&x) || check_forward(&x) || check_dynamics(&x) || request_check_contacts(&x))
 		return e->code;
 	return a->failed ? error_memory(e) : RNEAGEN_OK;
 }

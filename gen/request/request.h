@@ -51,6 +51,14 @@ struct request_range {
 	double lower, upper;
 };
 
+/* A link that stands: the origin of its frame, 3 rows, or all of it, 6; linear, then angular. */
+struct contact {
+	const char *name; /* of the link or frame */
+	int body;
+	struct placement X; /* the frame in the body's */
+	int rows, first;    /* of all contacts' rows the first that is its own */
+};
+
 struct want {
 	enum want_kind kind;
 	const char *word, *argument;
@@ -105,6 +113,8 @@ struct request {
 	int freed_count;
 	struct push *pushes;
 	int push_count, in_world;   /* wrenches in axes of the world, else of the link */
+	struct contact *contacts;
+	int contact_count, contact_rows; /* rows of all of them; their forces are found with qdd */
 	struct want *wants;
 	int want_count;
 	int stored_count;           /* the first of them are outputs; the rest is made for products alone */
@@ -114,7 +124,7 @@ struct request {
 	struct added_frame *frames;
 	int frame_count;
 	enum pose_form pose;
-	enum want_frame frame;      /* of jacobian, djacobian and opspace */
+	enum want_frame frame;      /* of jacobian, djacobian, opspace and contacts */
 	struct request_range *ranges;
 	int range_count;
 	int dense;                  /* matrices have their zeros */
@@ -168,6 +178,9 @@ struct request request_of_accelerations(const struct request *k, struct want *qd
 
 /* Is any derivative, M included? */
 int request_wants_derivative(const struct request *k);
+
+/* The contact whose force a want is. */
+const struct contact *request_contact_of(const struct request *k, const struct want *w);
 
 /* Is it of the torques alone, or of the qdd found, and by the state? */
 int request_is_plain_product(const struct request *k, const struct product *p);

@@ -24,6 +24,9 @@ static void dump_inputs(const struct request *k, const struct tree *t, struct te
 	for (int i = 0; i < k->push_count; i++)
 		text_printf(out, "in %s[6] \"%s\" on the body of joint \"%s\", in axes of the %s\n", k->pushes[i].argument,
 			k->pushes[i].word, body_name(t, k->pushes[i].body), k->in_world ? "world" : "link");
+	for (int i = 0; i < k->contact_count; i++)
+		text_printf(out, "\"%s\" on the body of joint \"%s\" stands, %d rows\n", k->contacts[i].name,
+			body_name(t, k->contacts[i].body), k->contacts[i].rows);
 	for (int i = 0; i < k->range_count; i++)
 		text_printf(out, "drawn %s[%d..%d] from %.17g to %.17g\n", k->ranges[i].argument, k->ranges[i].first,
 			k->ranges[i].first + k->ranges[i].count - 1, k->ranges[i].lower, k->ranges[i].upper);

@@ -47,6 +47,12 @@ void request_forms(const struct resolver *x);
 /* A choice of `add-frame`. */
 enum rneagen_code request_add_frame(const struct resolver *x, const struct scene_choice *c);
 
+/* A choice of `contact` or `weld`; whether the force that a choice of `want` names is that of one; and whether contacts serve
+   what else is asked for, after all other choices. */
+enum rneagen_code request_contact(const struct resolver *x, const struct scene_choice *c);
+enum rneagen_code request_check_force(const struct resolver *x, const struct scene_choice *c, const struct want *w);
+enum rneagen_code request_check_contacts(const struct resolver *x);
+
 /* A choice of `want`. */
 enum rneagen_code request_want(const struct resolver *x, const struct scene_choice *c);
 

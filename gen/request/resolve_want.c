@@ -185,7 +185,7 @@ enum rneagen_code request_quantity(const struct resolver *x, const struct scene_
 		return x->e->code;
 	w->kind = (enum want_kind)kind;
 	if (want_name(x, c, w) || check_varies(x, c, w->kind) || check_masses(x, c, w->kind) || check_chain(x, c, w) ||
-		want_rows(x, w))
+		request_check_force(x, c, w) || want_rows(x, w))
 		return x->e->code;
 	w->argument = want_type(w->kind)->argument;
 	if (!w->argument)

@@ -46,6 +46,8 @@ static const struct want_type TYPES[WANT_COUNT] = {
 		OF_LINK | IS_SYMMETRIC | IS_PLACED | IS_OPSPACE},
 	[WANT_OPSPACE] = {"opspace", NULL, 0, ROLE_OPSPACE_INERTIA, SHAPE_SQUARE,
 		OF_LINK | IS_SYMMETRIC | IS_PLACED | IS_OPSPACE},
+	[WANT_CONTACT] = {"contact", NULL, 3, ROLE_CONTACT_FORCE, SHAPE_NONE, OF_LINK | FINDS_QDD | OF_CONTACT},
+	[WANT_WELD] = {"weld", NULL, 6, ROLE_CONTACT_WRENCH, SHAPE_NONE, OF_LINK | FINDS_QDD | OF_CONTACT},
 };
 
 const struct want_type *want_type(enum want_kind kind)

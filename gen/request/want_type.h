@@ -8,7 +8,7 @@ enum want_kind { WANT_TAU, WANT_GRAVITY, WANT_BIAS, WANT_WRENCH, WANT_TWIST, WAN
 	WANT_POTENTIAL, WANT_REGRESSOR, WANT_QDD, WANT_QDD_BOUND, WANT_DTAU_DQ, WANT_DTAU_DQD, WANT_MASS,
 	WANT_DTAU_DFREED, WANT_JVP, WANT_VJP, WANT_VJP_BY, WANT_MINV, WANT_DQDD_DQ, WANT_DQDD_DQD, WANT_DQDD_DFREED,
 	WANT_POSE, WANT_JACOBIAN, WANT_DJACOBIAN, WANT_COM, WANT_VCOM, WANT_COM_JACOBIAN, WANT_MOMENTUM,
-	WANT_MOMENTUM_MATRIX, WANT_DMOMENTUM, WANT_CORIOLIS, WANT_OPSPACE_INV, WANT_OPSPACE, WANT_COUNT };
+	WANT_MOMENTUM_MATRIX, WANT_DMOMENTUM, WANT_CORIOLIS, WANT_OPSPACE_INV, WANT_OPSPACE, WANT_CONTACT, WANT_WELD, WANT_COUNT };
 
 enum want_trait {
 	OF_LINK = 1 << 0,       /* a link or a frame follows the word: want.body and want.X */
@@ -26,6 +26,7 @@ enum want_trait {
 	IS_PLACED = 1 << 12,    /* made by the room kinematics, from the places of bodies */
 	IS_PRODUCT = 1 << 16,   /* of derivatives of other outputs with a vector: of whatever kind these are */
 	IS_OPSPACE = 1 << 15,   /* the inertia that is felt at a link */
+	OF_CONTACT = 1 << 17,   /* what holds a link that stands: found with qdd */
 	OF_MASSES = 1 << 14,    /* told by the masses of all that moves: none may be left out that no torque feels */
 };
 

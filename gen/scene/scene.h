@@ -41,6 +41,8 @@
 	X(BY, "by", 1, SCENE_NAMES)                                                                                    \
 	X(FEXT, "fext", 1, SCENE_NAMES)                                                                                \
 	X(FEXT_FRAME, "fext-frame", 1, SCENE_VALUE)                                                                    \
+	X(CONTACT, "contact", 1, SCENE_NAMES)                                                                          \
+	X(WELD, "weld", 1, SCENE_NAMES)                                                                                \
 	X(ARMATURE, "armature", 1, SCENE_PAIR)                                                                         \
 	X(DAMPING, "damping", 0, SCENE_VALUE)                                                                          \
 	X(FRICTION, "friction", 2, SCENE_VALUE)                                                                        \

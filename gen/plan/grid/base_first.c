@@ -55,7 +55,7 @@ static int is_served(const struct parts_of *x)
 {
 	const struct request *k = x->request;
 
-	if (!x->has_kernels || !x->is_unpruned || x->is_relayed || x->options->strict || k->refine_steps)
+	if (!x->has_kernels || !x->is_unpruned || x->is_relayed || x->options->strict || k->refine_steps || k->contact_count)
 		return 0;
 	return k->is_forward && k->stored_count == 1 && k->wants[0].kind == WANT_QDD && base_first_serves(x);
 }

@@ -25,6 +25,8 @@ class Keywords(TypedDict, total=False):
     free: Names | None
     fext: Names | None
     fext_frame: str | None
+    contact: Names | None
+    weld: Names | None
     gravity: Iterable[SupportsFloat] | None
     armature: Pairs | os.PathLike | None
     damping: bool | None

@@ -541,6 +541,7 @@ def load(urdf: str | os.PathLike | bytes, **keywords: Unpack[Keywords]) -> Robot
     add_frame={"tool": ("hand", 0, 0, 0.1, 0, 0, 0)}  a frame on a link: x y z, m, roll pitch yaw, rad; then want="pose.tool"
     pose="quaternion", frame="world-aligned"          how pose.LINK is written, and in which frame jacobian.LINK is
     free=["payload.hand"]         constants that become inputs; fext=["foot"] external wrenches
+    contact=["foot"]              origins of links that stand; weld=["foot"] whole links; then want=["qdd", "contact.foot"]
     gravity=(0, 0, -9.81)         m/s^2, in the world
     precision="f32"               f32, f64, mixed, f32x2; unless given as the arrays are: float32 or float64
     trig="accurate", strict=False, mimic="honour", order=[...], params="auto", damping=True, friction=0.01

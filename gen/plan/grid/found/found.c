@@ -63,7 +63,7 @@ static int is_served(const struct parts_of *x)
 	const struct rneagen_options *o = x->options;
 	const struct request *k = x->request;
 
-	if (!x->has_kernels || !x->is_unpruned || o->strict || k->refine_steps || !k->is_forward || k->stored_count != 1)
+	if (!x->has_kernels || !x->is_unpruned || o->strict || k->refine_steps || k->contact_count || !k->is_forward || k->stored_count != 1)
 		return 0;
 	if (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64)
 		return 0;
