@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+static const char *const INPUTS[KIN_INPUTS] = {"q", "qd", "qdd", "tau", "jvp_v", "vjp_v"};
+
 /* ---- opening ---- */
 
 static struct reference *open_reference(struct kin_case *c, const char *urdf, const struct rneagen_options *o)
@@ -22,7 +24,7 @@ static struct reference *open_reference(struct kin_case *c, const char *urdf, co
 static int is_a_reason(enum rneagen_code code, const char *message)
 {
 	return code == RNEAGEN_NO_JOINTS || strstr(message, "has a mass") || strstr(message, "M is singular") ||
-	       strstr(message, "articulated bodies do not serve");
+	       strstr(message, "articulated bodies do not serve") || strstr(message, "cannot stand so");
 }
 
 int kin_open(struct kin_case *c, const char *urdf, const char *part, const struct rneagen_options *options, uint64_t seed)
@@ -104,8 +106,9 @@ void kin_draw(struct kin_case *c)
 		c->qdd[i] = qdd[i];
 	}
 	make_units(c, c->q);
-	for (int i = 0; i < c->analysis.tree.nv; i++)
-		c->in[3][i] = rng_uniform(&c->rng, -5, 5);
+	for (int k = 3; k < KIN_INPUTS; k++)
+		for (int i = 0; i < (k == 3 ? c->analysis.tree.nv : KIN_ROWS); i++)
+			c->in[k][i] = rng_uniform(&c->rng, -5, 5);
 	kin_settle(c);
 }
 
@@ -144,7 +147,6 @@ static void take_qdd(struct kin_case *c, const wide *qdd)
 
 void kin_evaluate(struct kin_case *c)
 {
-	static const char *const names[] = {"q", "qd", "qdd", "tau"};
 	const struct dag *d = &c->analysis.dag;
 	const wide *in[DAG_ARGUMENTS] = {NULL};
 	wide *out[DAG_ARGUMENTS] = {NULL};
@@ -154,7 +156,7 @@ void kin_evaluate(struct kin_case *c)
 		int k = 0;
 
 		out[a] = d->arguments[a].is_output ? c->out[a] : NULL;
-		while (!out[a] && strcmp(names[k], d->arguments[a].name))
+		while (!out[a] && strcmp(INPUTS[k], d->arguments[a].name))
 			k++;
 		in[a] = out[a] ? NULL : c->in[k];
 	}
@@ -184,7 +186,6 @@ static void *numbers(int rows, int is_f32)
 
 void kin_evaluate_rounded(struct kin_case *c, int is_f32)
 {
-	static const char *const names[] = {"q", "qd", "qdd", "tau"};
 	const struct dag *d = &c->analysis.dag;
 	void *in[DAG_ARGUMENTS] = {NULL}, *out[DAG_ARGUMENTS] = {NULL};
 
@@ -196,7 +197,7 @@ void kin_evaluate_rounded(struct kin_case *c, int is_f32)
 			out[a] = numbers(rows, is_f32);
 			continue;
 		}
-		while (strcmp(names[k], d->arguments[a].name))
+		while (strcmp(INPUTS[k], d->arguments[a].name))
 			k++;
 		in[a] = numbers(rows, is_f32);
 		for (int i = 0; i < rows && is_f32; i++)
