@@ -298,6 +298,43 @@ START_TEST(robots)
 }
 END_TEST
 
+/* A step of refinement with its residual in f64 leaves forces and accelerations of a text in f32 a rounding off. */
+START_TEST(refined)
+{
+	static const char scene[] = "contact lf_foot,rf_foot,lh_foot,rh_foot\nrefine 1:f64\n"
+				    "want contact.lf_foot,contact.rf_foot,contact.lh_foot,contact.rh_foot,qdd\n";
+	struct kin_case *c = calloc(1, sizeof *c);
+	struct rneagen_options o = rneagen_options_default();
+	char *urdf = robot_text("hyq");
+
+	o.scene = scene;
+	o.base = RNEAGEN_FLOATING;
+	o.precision = RNEAGEN_F32;
+	snprintf(c->what, sizeof c->what, "hyq in f32, refined, seed %d", SEED);
+	ck_assert(kin_open(c, urdf, NULL, &o, SEED));
+	for (int s = 0; s < 20; s++) {
+		wide f[KIN_ROWS], qdd[KIN_ROWS], found[KIN_ROWS];
+		int nv = c->analysis.tree.nv, rows = c->analysis.request.contact_rows;
+
+		kin_draw(c);
+		kin_round(c, 1);
+		kin_evaluate(c);
+		gather(c, f);
+		memcpy(qdd, output_of(c, "qdd"), (size_t)nv * sizeof *qdd);
+		kin_evaluate_rounded(c, 1);
+		gather(c, found);
+		for (int i = 0; i < rows; i++)
+			expect(c, "force", i, found[i], f[i], 0x1p-23 * largest(f, rows));
+		for (int i = 0; i < nv; i++)
+			expect(c, "qdd", i, output_of(c, "qdd")[i], qdd[i], 0x1p-23 * largest(qdd, nv));
+	}
+	printf("%s: off by %.2g of the tolerance\n", c->what, c->worst);
+	kin_close(c);
+	free(urdf);
+	free(c);
+}
+END_TEST
+
 /* ---- random trees ---- */
 
 /* A link that moves; the scene refuses the others. */
@@ -365,6 +402,7 @@ int main(void)
 	Suite *suite = suite_create("contacts");
 
 	suite_add(suite, "robots", robots, SUBJECT_COUNT, 120);
+	suite_add(suite, "refined", refined, 1, 120);
 	suite_add(suite, "trees", trees, 1, 120);
 	return suite_run(suite);
 }
