@@ -134,6 +134,7 @@ enum { RNEA_ARGUMENT_LIMIT = 64 }; /* the most arrays one function can take */
 	X(CORIOLIS, "coriolis")				      /* C qd = bias - gravity, dM/dt = C + C' */              \
 	X(OPSPACE_INERTIA_INVERSE, "opspace_inertia_inverse") /* of a link: J Minv J' */                               \
 	X(OPSPACE_INERTIA, "opspace_inertia")		      /* of a link: its inverse */                             \
+	X(CONTACT_ACCELERATION, "contact_acceleration")	      /* that a link has instead of standing */                \
 	X(CONTACT_FORCE, "contact_force")		      /* on the origin of a link that stands */                \
 	X(CONTACT_WRENCH, "contact_wrench")		      /* on a link that stands */
 

@@ -70,6 +70,7 @@ enum role_rows {
 	X(CORIOLIS, "coriolis", ROWS_ANY)                                                                              \
 	X(OPSPACE_INERTIA_INVERSE, "opspace_inertia_inverse", ROWS_ANY)                                                \
 	X(OPSPACE_INERTIA, "opspace_inertia", ROWS_ANY)                                                                \
+	X(CONTACT_ACCELERATION, "contact_acceleration", ROWS_ANY)                                                      \
 	X(CONTACT_FORCE, "contact_force", ROWS_VECTOR)                                                                 \
 	X(CONTACT_WRENCH, "contact_wrench", ROWS_WRENCH)
 

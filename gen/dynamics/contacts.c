@@ -31,7 +31,7 @@ static struct svec out_of_frame(const struct build *b, const struct frame *x, co
 	return b->k->frame == FRAME_LINK ? smat_mul(d, &R, u) : smat_mul_transposed(d, &x->R0, u);
 }
 
-/* a + dw x p + w x (w x p) of its origin p, and dw. */
+/* a + dw x p + w x (w x p) of its origin p, and dw, less what they are to be. */
 static void accelerate(const struct tour *r, const struct contact *c)
 {
 	const struct build *b = r->context;
@@ -42,12 +42,12 @@ static void accelerate(const struct tour *r, const struct contact *c)
 
 	a = in_frame(b, x, c, a);
 	for (int i = 0; i < 3; i++)
-		b->accelerated[c->first + i] = a.x[i];
+		b->accelerated[c->first + i] = dag_sub(r->d, a.x[i], b->demanded[c->first + i]);
 	if (c->rows < 6)
 		return;
 	a = in_frame(b, x, c, m->dw);
 	for (int i = 0; i < 3; i++)
-		b->accelerated[c->first + 3 + i] = a.x[i];
+		b->accelerated[c->first + 3 + i] = dag_sub(r->d, a.x[i], b->demanded[c->first + 3 + i]);
 }
 
 void contacts_entered(const struct tour *r, int body)

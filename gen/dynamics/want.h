@@ -18,7 +18,8 @@ struct build {
 	struct ref *own[OWN_TERMS]; /* by body; as the tour's */
 	int *pushed, *outputs; /* arguments, by push and by want */
 	struct ref *forces;      /* by row of contacts: what they pull at the tour's bodies with */
-	struct ref *accelerated; /* the same rows: how they accelerate, by the last tour */
+	struct ref *demanded;    /* the same rows: how contacts are to accelerate */
+	struct ref *accelerated; /* how they do more than that, by the last tour */
 	char *done;            /* by want: the recursion writes it */
 	struct ref kinetic;
 	struct ref *torques;   /* ID(q, qd, qdd) of the main tour, then how contacts accelerate; NULL: it did not come back */

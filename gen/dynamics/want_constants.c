@@ -49,6 +49,7 @@ static enum role role_of(const struct freed *f)
 {
 	static const enum role roles[FREED_KINDS] = {[FREED_GRAVITY] = ROLE_GRAVITY, [FREED_MASS] = ROLE_LINK_MASS,
 		[FREED_INERTIA] = ROLE_LINK_INERTIA, [FREED_PAYLOAD] = ROLE_LINK_PAYLOAD, [FREED_OFFSET] = ROLE_JOINT_OFFSET,
+		[FREED_ACCEL] = ROLE_CONTACT_ACCELERATION,
 		[FREED_OWN + OWN_ARMATURE] = ROLE_JOINT_ARMATURE, [FREED_OWN + OWN_DAMPING] = ROLE_JOINT_DAMPING,
 		[FREED_OWN + OWN_FRICTION] = ROLE_JOINT_FRICTION};
 	static const enum role of_all[OWN_TERMS] = {
@@ -74,6 +75,7 @@ static int alloc(struct build *b)
 
 	b->offset = arena_alloc(a, (size_t)b->t->nq, sizeof *b->offset);
 	b->gravity = arena_alloc(a, 3, sizeof *b->gravity);
+	b->demanded = arena_alloc(a, (size_t)b->k->contact_rows, sizeof *b->demanded);
 	b->parameters = arena_alloc(a, bodies, sizeof(struct parameters *));
 	for (int i = 0; i < OWN_TERMS; i++)
 		b->own[i] = arena_alloc(a, bodies, sizeof *b->own[i]);
@@ -95,8 +97,10 @@ int want_constants(struct build *b)
 			set_own(b, f, argument);
 		else if (f->kind == FREED_OFFSET)
 			b->offset[b->t->bodies[f->body].iq] = dag_input(b->d, argument, 0);
-		else if (f->kind != FREED_GRAVITY)
+		else if (f->kind != FREED_GRAVITY && f->kind != FREED_ACCEL)
 			add_inertia(b, f, argument);
+		for (int r = 0; r < f->rows && f->kind == FREED_ACCEL; r++)
+			b->demanded[b->k->contacts[f->contact].first + r] = dag_input(b->d, argument, r);
 		for (int r = 0; r < 3 && f->kind == FREED_GRAVITY; r++)
 			b->gravity[r] = dag_input(b->d, argument, r);
 	}

@@ -188,6 +188,8 @@ static const char *describe(const struct emission *e, const struct argument *a)
 				? ": m hx hy hz Ixx Ixy Ixz Iyy Iyz Izz about the link's origin, in its frame" : "");
 			text_put(&t, k->freed[i].kind == FREED_MASS
 				? ": kg; the link's centre of mass, and its inertia about that, stay, so h = m c" : "");
+			text_put(&t, k->freed[i].kind == FREED_ACCEL
+				? ": the acceleration that it has instead of standing, classical; of a weld then its angular one" : "");
 			text_put(&t, k->freed[i].body < 0 ? " of each joint with one row, in the rows of qd" : "");
 		}
 	for (int i = 0; i < k->push_count; i++)

@@ -306,8 +306,8 @@ enum rneagen_code request_resolve(struct request *k, struct tree *t, const struc
 	x.k->in_world = frame && !strcmp(frame->value, "world");
 	request_forms(&x);
 	if (each(&x, SCENE_ADD_FRAME, request_add_frame) || each(&x, SCENE_FOLD, fold) || request_own_terms(&x) ||
-		each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) || each(&x, SCENE_CONTACT, request_contact) ||
-		each(&x, SCENE_WELD, request_contact) || each(&x, SCENE_WANT, request_want) ||
+		each(&x, SCENE_CONTACT, request_contact) || each(&x, SCENE_WELD, request_contact) ||
+		each(&x, SCENE_FREE, request_free) || each(&x, SCENE_FEXT, push) || each(&x, SCENE_WANT, request_want) ||
 		request_products(&x) || check_arrays(&x) || each(&x, SCENE_RANGE, request_range))
 		return e->code;
 	if (!x.k->want_count)

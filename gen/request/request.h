@@ -18,7 +18,8 @@ struct row {
 enum own_term { OWN_ARMATURE, OWN_DAMPING, OWN_FRICTION, OWN_TERMS };
 
 /* The last ones are the joints' own terms, in their order. */
-enum freed_kind { FREED_GRAVITY, FREED_MASS, FREED_INERTIA, FREED_PAYLOAD, FREED_OFFSET, FREED_OWN };
+enum freed_kind { FREED_GRAVITY, FREED_MASS, FREED_INERTIA, FREED_PAYLOAD, FREED_OFFSET, FREED_ACCEL,
+	FREED_OWN };
 enum { FREED_KINDS = FREED_OWN + OWN_TERMS, FREED_ROWS = 10 };
 
 /* A constant that becomes an input. Mass, inertia and payload are linear in the body's ten inertial parameters. */
@@ -28,6 +29,7 @@ struct freed {
 	const char *argument; /* as the text has it: "payload_hand" */
 	int rows, per_batch;
 	int body;                    /* that carries the link, or that the joint moves; -1: all joints, in rows of qd */
+	int contact;                 /* FREED_ACCEL: which one has that acceleration */
 	real *nominal;               /* by row: what the URDF says */
 	struct inertia *columns;     /* in the body frame, what a unit of each row adds */
 	struct inertia massless;        /* a link's inertia about its centre, which its mass does not change */

@@ -47,6 +47,9 @@ void request_forms(const struct resolver *x);
 /* A choice of `add-frame`. */
 enum rneagen_code request_add_frame(const struct resolver *x, const struct scene_choice *c);
 
+/* The contact of this name, with so many rows, 0: with any; NULL: it does not stand so. */
+const struct contact *request_find_contact(const struct request *k, const char *name, int rows);
+
 /* A choice of `contact` or `weld`; whether the force that a choice of `want` names is that of one; and whether contacts serve
    what else is asked for, after all other choices. */
 enum rneagen_code request_contact(const struct resolver *x, const struct scene_choice *c);

@@ -2,7 +2,7 @@
 #include "request/resolve.h"
 #include <string.h>
 
-static const struct contact *find(const struct request *k, const char *name, int rows)
+const struct contact *request_find_contact(const struct request *k, const char *name, int rows)
 {
 	for (int i = 0; i < k->contact_count; i++)
 		if (!strcmp(k->contacts[i].name, name) && (!rows || k->contacts[i].rows == rows))
@@ -15,7 +15,7 @@ enum rneagen_code request_contact(const struct resolver *x, const struct scene_c
 	struct request *k = x->k;
 	struct contact *to = &k->contacts[k->contact_count];
 
-	if (find(k, c->name, 0))
+	if (request_find_contact(k, c->name, 0))
 		return scene_refuse(x->s, c, x->e, "'%.255s' stands already", c->name);
 	*to = (struct contact){.name = c->name, .rows = c->key == SCENE_WELD ? 6 : 3, .first = k->contact_rows};
 	if (request_find_frame(x, c, c->name, &to->body, &to->X))
@@ -27,13 +27,13 @@ enum rneagen_code request_contact(const struct resolver *x, const struct scene_c
 
 const struct contact *request_contact_of(const struct request *k, const struct want *w)
 {
-	return want_is(w->kind, OF_CONTACT) ? find(k, strchr(w->word, '.') + 1, w->rows) : NULL;
+	return want_is(w->kind, OF_CONTACT) ? request_find_contact(k, strchr(w->word, '.') + 1, w->rows) : NULL;
 }
 
 enum rneagen_code request_check_force(const struct resolver *x, const struct scene_choice *c, const struct want *w)
 {
 	const char *name = strchr(c->name, '.');
-	const struct contact *stands = name ? find(x->k, name + 1, 0) : NULL;
+	const struct contact *stands = name ? request_find_contact(x->k, name + 1, 0) : NULL;
 	const char *other = w->kind == WANT_WELD ? "contact" : "weld";
 
 	if (!want_is(w->kind, OF_CONTACT) || (stands && stands->rows == want_type(w->kind)->rows))

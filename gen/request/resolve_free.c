@@ -98,6 +98,20 @@ static enum rneagen_code free_offset(const struct resolver *x, const struct scen
 	return RNEAGEN_OK;
 }
 
+/* Of a link that stands: the acceleration that it has instead. */
+static enum rneagen_code free_acceleration(const struct resolver *x, const struct scene_choice *c, struct freed *f)
+{
+	const char *name = strchr(c->name, '.') + 1;
+	const struct contact *of = request_find_contact(x->k, name, 0);
+
+	if (!of)
+		return scene_refuse(x->s, c, x->e, "'%.255s' does not stand in this scene: --contact %.255s", name, name);
+	f->contact = (int)(of - x->k->contacts);
+	f->body = of->body;
+	f->rows = of->rows;
+	return request_alloc_nominal(f, x) ? RNEAGEN_OK : error_memory(x->e);
+}
+
 static enum rneagen_code free_gravity(const struct resolver *x, struct freed *f)
 {
 	f->rows = 3;
@@ -133,6 +147,7 @@ enum rneagen_code request_free(const struct resolver *x, const struct scene_choi
 {
 	static const struct kind_word kinds[] = {[FREED_GRAVITY] = {"gravity", 0}, [FREED_MASS] = {"mass", 1},
 		[FREED_INERTIA] = {"inertia", 1}, [FREED_PAYLOAD] = {"payload", 1}, [FREED_OFFSET] = {"offset", 1},
+		[FREED_ACCEL] = {"accel", 1},
 		[FREED_OWN + OWN_ARMATURE] = {"armature", 0}, [FREED_OWN + OWN_DAMPING] = {"damping", 0},
 		[FREED_OWN + OWN_FRICTION] = {"friction", 0}, [FREED_KINDS + OWN_ARMATURE] = {"armature", 1},
 		[FREED_KINDS + OWN_DAMPING] = {"damping", 1}, [FREED_KINDS + OWN_FRICTION] = {"friction", 1}};
@@ -142,13 +157,15 @@ enum rneagen_code request_free(const struct resolver *x, const struct scene_choi
 	if (kind < 0)
 		return x->e->code;
 	f.kind = (enum freed_kind)(kind < FREED_KINDS ? kind : kind - OWN_TERMS);
-	f.per_batch = c->value ? !strcmp(c->value, "batch") : f.kind != FREED_PAYLOAD;
+	f.per_batch = c->value ? !strcmp(c->value, "batch") : f.kind != FREED_PAYLOAD && f.kind != FREED_ACCEL;
 	if (f.kind >= FREED_OWN)
 		request_free_own(x, c, &f);
 	else if (f.kind == FREED_GRAVITY)
 		free_gravity(x, &f);
 	else if (f.kind == FREED_OFFSET)
 		free_offset(x, c, &f);
+	else if (f.kind == FREED_ACCEL)
+		free_acceleration(x, c, &f);
 	else
 		free_link(x, c, &f);
 	if (x->e->code || check_free(x, c, &f))

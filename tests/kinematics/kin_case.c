@@ -5,7 +5,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const INPUTS[KIN_INPUTS] = {"q", "qd", "qdd", "tau", "jvp_v", "vjp_v"};
+static int input_named(const struct kin_case *c, const char *name)
+{
+	static const char *const names[] = {"q", "qd", "qdd", "tau", "jvp_v", "vjp_v"};
+
+	for (int k = 0; k < KIN_INPUTS - 1; k++)
+		if (!strcmp(names[k], name))
+			return k;
+	ck_assert_msg(c->more && !strcmp(c->more, name), "%s: input '%s'", c->what, name);
+	return KIN_INPUTS - 1;
+}
 
 /* ---- opening ---- */
 
@@ -153,12 +162,8 @@ void kin_evaluate(struct kin_case *c)
 	double *size = calloc(d->output_count + 1, sizeof *size);
 
 	for (int a = 0; a < d->argument_count; a++) {
-		int k = 0;
-
 		out[a] = d->arguments[a].is_output ? c->out[a] : NULL;
-		while (!out[a] && strcmp(INPUTS[k], d->arguments[a].name))
-			k++;
-		in[a] = out[a] ? NULL : c->in[k];
+		in[a] = out[a] ? NULL : c->in[input_named(c, d->arguments[a].name)];
 	}
 	ck_assert(eval_quad(d, in, out, &(struct eval_terms){.size = size}));
 	for (size_t i = 0; i < d->output_count; i++)
@@ -191,14 +196,13 @@ void kin_evaluate_rounded(struct kin_case *c, int is_f32)
 
 	for (int a = 0; a < d->argument_count; a++) {
 		const int rows = d->arguments[a].rows;
-		int k = 0;
+		int k;
 
 		if (d->arguments[a].is_output) {
 			out[a] = numbers(rows, is_f32);
 			continue;
 		}
-		while (strcmp(INPUTS[k], d->arguments[a].name))
-			k++;
+		k = input_named(c, d->arguments[a].name);
 		in[a] = numbers(rows, is_f32);
 		for (int i = 0; i < rows && is_f32; i++)
 			((float *)in[a])[i] = (float)c->in[k][i];

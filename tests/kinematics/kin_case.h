@@ -9,7 +9,7 @@
 #include "support/rng.h"
 #include "tree/pattern.h"
 
-enum { KIN_ROWS = 256, KIN_FRAMES = 4, KIN_INPUTS = 6 };
+enum { KIN_ROWS = 256, KIN_FRAMES = 4, KIN_INPUTS = 7 };
 
 struct kin_added {
 	char name[32], link[128];
@@ -28,7 +28,8 @@ struct kin_case {
 	char held[KIN_ROWS];                                    /* by row of the reference's qd */
 	double held_q[KIN_ROWS];
 	wide q[KIN_ROWS], qd[KIN_ROWS], qdd[KIN_ROWS];          /* of the whole robot */
-	wide in[KIN_INPUTS][KIN_ROWS];                          /* q, qd, qdd, tau of what is modelled, jvp_v, vjp_v */
+	wide in[KIN_INPUTS][KIN_ROWS];                          /* q, qd, qdd, tau of what is modelled, jvp_v, vjp_v, */
+	const char *more;                                       /* and this one's; NULL: there is none */
 	wide *out[DAG_ARGUMENTS];                               /* by argument of the DAG */
 	double *size[DAG_ARGUMENTS];                            /* magnitudes that were summed */
 	int is_by_largest;                                      /* magnitudes that were summed are no excuse */
