@@ -242,8 +242,9 @@ static struct pair scaled(struct dag *d, const struct articulated_body *y, const
 	return sum;
 }
 
-/* u = b - S^T p; the parent feels p + U D^-1 u. `b` becomes D^-1 u. */
-static void solve_back(const struct articulated *x, int body, struct pair *p, struct ref *b)
+/* u = b - S^T p; the parent feels p + U D^-1 u. `b` becomes D^-1 u, and `half`, where it is not NULL, u halfway
+   through D. */
+static void solve_back(const struct articulated *x, int body, struct pair *p, struct ref *b, struct ref *half)
 {
 	const struct tour *r = x->r;
 	struct dag *d = r->d;
@@ -257,6 +258,10 @@ static void solve_back(const struct articulated *x, int body, struct pair *p, st
 	project(r, body, p[body], felt);
 	for (int i = 0; i < n; i++)
 		b[k->iv + i] = dag_sub(d, b[k->iv + i], felt[i]);
+	for (int i = 0; i < n && half; i++)
+		half[k->iv + i] = b[k->iv + i];
+	if (n && half)
+		factor_reduce(&y->D, half + k->iv);
 	if (n)
 		factor_solve(&y->D, b + k->iv);
 	if (k->parent < 0)
@@ -307,7 +312,7 @@ static void solve_out(const struct articulated *x, int body, struct pair *a, str
 	}
 }
 
-void articulated_solve(const struct articulated *x, struct ref *b)
+void articulated_solve(const struct articulated *x, struct ref *b, const struct svec *f, const struct svec *n)
 {
 	const struct tree *t = x->r->t;
 	struct pair *p = arena_alloc(x->r->d->arena, 2 * (size_t)t->body_count, sizeof *p), *a = p + t->body_count;
@@ -316,10 +321,28 @@ void articulated_solve(const struct articulated *x, struct ref *b)
 		x->r->d->failed = 1;
 		return;
 	}
+	for (int k = 0; k < t->body_count && f; k++)
+		p[k] = (struct pair){n[k], f[k]};
 	for (int k = t->body_count - 1; k >= 0; k--)
-		solve_back(x, k, p, b);
+		solve_back(x, k, p, b, NULL);
 	for (int k = 0; k < t->body_count; k++)
 		solve_out(x, k, a, b);
+}
+
+void articulated_halve(const struct articulated *x, const struct ref *b, struct ref *y)
+{
+	const struct tree *t = x->r->t;
+	struct pair *p = arena_alloc(x->r->d->arena, (size_t)t->body_count, sizeof *p);
+	struct ref *copy = arena_alloc(x->r->d->arena, (size_t)t->nv, sizeof *copy);
+
+	if (!p || !copy) {
+		x->r->d->failed = 1;
+		return;
+	}
+	for (int i = 0; i < t->nv; i++)
+		copy[i] = b[i];
+	for (int k = t->body_count - 1; k >= 0; k--)
+		solve_back(x, k, p, copy, y);
 }
 
 /* p - U D^-1 u; nothing of it is along the axis of a joint that moves freely. */

@@ -29,8 +29,13 @@ int articulated_is_shorter(const struct tree *t);
 void articulated_begin(struct articulated *x, const struct tour *r);
 void articulated_leave(struct articulated *x, int body, int *singular);
 
-/* M x = b in place, by rows of qd, after the tour. */
-void articulated_solve(const struct articulated *x, struct ref *b);
+/* M x = b in place, by rows of qd, after the tour; with wrenches, by body, that take some of b, in its frame and about its origin:
+   NULL: there are none. */
+void articulated_solve(const struct articulated *x, struct ref *b, const struct svec *f, const struct svec *n);
+
+/* The way back of that alone: what joints are left with, halfway through their D, by rows of qd. It goes with the rows of
+   articulated_reduce. */
+void articulated_halve(const struct articulated *x, const struct ref *b, struct ref *y);
 
 /* Of a wrench on a body, in its frame, about its origin: what the joint feels, halfway through its D, row by row; then the wrench
    is carried to the parent, as what that feels of it. As in factor.h, J M^-1 J^T is made of the products of these rows over D. */

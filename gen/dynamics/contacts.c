@@ -59,11 +59,16 @@ void contacts_entered(const struct tour *r, int body)
 			accelerate(r, &b->k->contacts[i]);
 }
 
-static struct svec force(const struct build *b, int row)
+/* What forces, by row of contacts, pull at a body with, in its frame and about its origin. */
+static void wrench_of(const struct build *b, const struct frame *x, const struct contact *c, const struct ref *forces, struct svec *f,
+	struct svec *n)
 {
-	const struct ref *f = b->forces + row;
+	const struct ref *of = forces + c->first;
 
-	return (struct svec){{f[0], f[1], f[2]}};
+	*f = out_of_frame(b, x, c, (struct svec){{of[0], of[1], of[2]}});
+	*n = svec_cross(b->d, svec_const(b->d, c->X.p), *f);
+	if (c->rows == 6)
+		*n = svec_add(b->d, *n, out_of_frame(b, x, c, (struct svec){{of[3], of[4], of[5]}}));
 }
 
 void contacts_pull(const struct tour *r, int body)
@@ -72,14 +77,13 @@ void contacts_pull(const struct tour *r, int body)
 	struct frame *x = &r->frames[body + 1];
 
 	for (int i = 0; i < b->k->contact_count; i++) {
-		const struct contact *c = &b->k->contacts[i];
-		struct svec n = {{{0}}};
+		struct svec f, n;
 
-		if (c->body != body)
+		if (b->k->contacts[i].body != body)
 			continue;
-		if (c->rows == 6)
-			n = out_of_frame(b, x, c, force(b, c->first + 3));
-		want_pull_at(r, body, c->X.p, out_of_frame(b, x, c, force(b, c->first)), n);
+		wrench_of(b, x, &b->k->contacts[i], b->forces, &f, &n);
+		x->f = svec_sub(r->d, x->f, f);
+		x->n = svec_sub(r->d, x->n, n);
 	}
 }
 
@@ -102,38 +106,73 @@ struct ref *contacts_join(const struct build *b, struct ref *torques)
 
 /* ---- forces ---- */
 
-/* L' Y = J', in place of J, whose columns are rows of qd. */
+/* L' Y = J', in place of J. */
+static void reduce_by_factors(struct forward *x, const struct contact *c, struct ref *J)
+{
+	const struct build *b = x->b;
+	const struct want of = {.body = c->body, .X = c->X};
+	size_t nv = (size_t)b->t->nv;
+
+	memset(J, 0, 6 * nv * sizeof *J);
+	jacobian_columns(&b->places, &of, J);
+	for (int row = 0; row < c->rows; row++) {
+		factor_reduce(&x->M, J + (size_t)row * nv);
+		memcpy(x->Y + (size_t)(c->first + row) * nv, J + (size_t)row * nv, nv * sizeof *J);
+	}
+}
+
+/* J' is not made: a unit force is carried back to the base, and each joint takes its part (opspace.c). */
+static void reduce_by_bodies(struct forward *x, const struct contact *c)
+{
+	const struct build *b = x->b;
+	const struct tree *t = b->t;
+
+	for (int row = 0; row < c->rows; row++) {
+		struct ref unit[6] = {{0}}, *Y = x->Y + (c->first + row) * t->nv;
+		struct contact alone = *c;
+		struct svec f, n;
+
+		alone.first = 0;
+		unit[row] = dag_const(b->d, 1);
+		wrench_of(b, &x->tour.frames[c->body + 1], &alone, unit, &f, &n);
+		for (int k = c->body; k >= 0; k = t->bodies[k].parent)
+			articulated_reduce(&x->bodies, k, &f, &n, Y + t->bodies[k].iv);
+	}
+}
+
+static void invert(struct forward *x)
+{
+	const struct tree *t = x->b->t;
+
+	for (int i = 0; i < t->nv && x->b->dynamics != DYNAMICS_ARTICULATED; i++)
+		x->inverse[x->M.row[i]] = x->M.inverse[i];
+	for (int k = 0; k < t->body_count && x->b->dynamics == DYNAMICS_ARTICULATED; k++)
+		for (int i = 0; i < joint_nv(t->bodies[k].type); i++)
+			x->inverse[t->bodies[k].iv + i] = x->bodies.bodies[k].D.inverse[i];
+}
+
 static void reduce(struct forward *x)
 {
-	struct build *b = x->b;
-	struct dag *d = b->d;
-	size_t nv = (size_t)b->t->nv;
-	struct ref *J = arena_alloc(d->arena, 6 * nv, sizeof *J);
+	const struct request *k = x->b->k;
+	struct ref *J = arena_alloc(x->b->d->arena, 6 * (size_t)x->b->t->nv, sizeof *J);
 
-	for (int i = 0; i < b->k->contact_count && J; i++) {
-		const struct contact *c = &b->k->contacts[i];
-		const struct want of = {.body = c->body, .X = c->X};
-
-		memset(J, 0, 6 * nv * sizeof *J);
-		jacobian_columns(&b->places, &of, J);
-		for (int row = 0; row < c->rows; row++) {
-			factor_reduce(&x->M, J + (size_t)row * nv);
-			memcpy(x->Y + (size_t)(c->first + row) * nv, J + (size_t)row * nv, nv * sizeof *J);
-		}
-	}
+	invert(x);
+	for (int i = 0; i < k->contact_count && J; i++)
+		if (x->b->dynamics == DYNAMICS_ARTICULATED)
+			reduce_by_bodies(x, &k->contacts[i]);
+		else
+			reduce_by_factors(x, &k->contacts[i], J);
 }
 
 /* The sum of y D^-1 Y, by rows of qd. */
 static struct ref over(const struct forward *x, const struct ref *y, int row)
 {
 	struct dag *d = x->b->d;
+	const struct ref *Y = x->Y + row * x->b->t->nv;
 	struct ref sum = {0};
 
-	for (int i = 0; i < x->M.n; i++) {
-		int of = x->M.row[i];
-
-		sum = dag_add(d, sum, dag_mul(d, dag_mul(d, y[of], x->M.inverse[i]), x->Y[row * x->M.n + of]));
-	}
+	for (int i = 0; i < x->b->t->nv; i++)
+		sum = dag_add(d, sum, dag_mul(d, dag_mul(d, y[i], x->inverse[i]), Y[i]));
 	return sum;
 }
 
@@ -145,11 +184,13 @@ void contacts_factor(struct forward *x, struct joint_inputs in)
 	struct ref *S = arena_alloc(d->arena, (size_t)(rows * rows), sizeof *S);
 
 	x->Y = arena_alloc(d->arena, (size_t)(rows * nv), sizeof *x->Y);
-	if (!S || !x->Y) {
+	x->inverse = arena_alloc(d->arena, (size_t)nv, sizeof *x->inverse);
+	if (!S || !x->Y || !x->inverse) {
 		d->failed = 1;
 		return;
 	}
-	want_places(b, in);
+	if (b->dynamics != DYNAMICS_ARTICULATED)
+		want_places(b, in);
 	dag_section(d, SECTION_CONTACTS, 0);
 	reduce(x);
 	for (int i = 0; i < rows; i++)
@@ -162,24 +203,57 @@ void contacts_factor(struct forward *x, struct joint_inputs in)
 		d->singular = contacts_singular(b->k, singular);
 }
 
+/* L x = D^-1 (y - Y n), in place of y. */
+static void expand_by_factors(const struct forward *x, struct ref *y, const struct ref *n)
+{
+	struct dag *d = x->b->d;
+	int nv = x->b->t->nv;
+
+	for (int i = 0; i < nv; i++)
+		for (int c = 0; c < x->S.n; c++)
+			y[i] = dag_sub(d, y[i], dag_mul(d, x->Y[c * nv + i], n[c]));
+	factor_expand(&x->M, y);
+}
+
+/* M x = b - J' n, in place of b. */
+static void expand_by_bodies(const struct forward *x, struct ref *rhs, const struct ref *forces)
+{
+	const struct build *b = x->b;
+	size_t bodies = (size_t)b->t->body_count;
+	struct svec *f = arena_alloc(b->d->arena, bodies, sizeof *f), *n = arena_alloc(b->d->arena, bodies, sizeof *n);
+
+	for (int i = 0; i < b->k->contact_count && f && n; i++) {
+		const struct contact *c = &b->k->contacts[i];
+		struct svec of, about;
+
+		wrench_of(b, &x->tour.frames[c->body + 1], c, forces, &of, &about);
+		f[c->body] = svec_add(b->d, f[c->body], of);
+		n[c->body] = svec_add(b->d, n[c->body], about);
+	}
+	if (f && n)
+		articulated_solve(&x->bodies, rhs, f, n);
+	else
+		b->d->failed = 1;
+}
+
 void contacts_solve(const struct forward *x, struct ref *rhs)
 {
 	struct dag *d = x->b->d;
-	int rows = x->b->k->contact_rows, nv = x->b->t->nv;
-	struct ref *n = arena_alloc(d->arena, (size_t)rows, sizeof *n);
+	int rows = x->b->k->contact_rows, nv = x->b->t->nv, by_bodies = x->b->dynamics == DYNAMICS_ARTICULATED;
+	struct ref *n = arena_alloc(d->arena, (size_t)(rows + nv), sizeof *n), *y = by_bodies ? n + rows : rhs;
 
 	if (!n) {
 		d->failed = 1;
 		return;
 	}
-	factor_reduce(&x->M, rhs);
+	if (by_bodies)
+		articulated_halve(&x->bodies, rhs, y);
+	else
+		factor_reduce(&x->M, rhs);
 	for (int c = 0; c < rows; c++)
-		n[c] = dag_sub(d, over(x, rhs, c), rhs[nv + c]);
+		n[c] = dag_sub(d, over(x, y, c), rhs[nv + c]);
 	factor_solve(&x->S, n);
-	for (int i = 0; i < nv; i++)
-		for (int c = 0; c < rows; c++)
-			rhs[i] = dag_sub(d, rhs[i], dag_mul(d, x->Y[c * nv + i], n[c]));
-	factor_expand(&x->M, rhs);
+	(by_bodies ? expand_by_bodies : expand_by_factors)(x, rhs, n);
 	memcpy(rhs + nv, n, (size_t)rows * sizeof *n);
 }
 
@@ -201,7 +275,7 @@ void contacts_pivots(const struct forward *x, struct ref *pairs)
 {
 	for (int i = 0; i < x->S.n; i++) {
 		pairs[2 * i] = x->S.D[i];
-		pairs[2 * i + 1] = over(x, x->Y + i * x->M.n, i);
+		pairs[2 * i + 1] = over(x, x->Y + i * x->b->t->nv, i);
 	}
 }
 

@@ -7,8 +7,14 @@
 
 void forward_enter(const struct tour *r, int body)
 {
-	want_free(r, body);
+	const struct build *b = r->context;
+
 	want_pull(r, body);
+	if (!b->factored->stands) {
+		contacts_pull(r, body);
+		return;
+	}
+	want_free(r, body);
 	contacts_entered(r, body);
 }
 
@@ -72,7 +78,8 @@ void forward_factor(struct forward *x, struct build *b, struct joint_inputs in)
 	static const int nowhere[BY_COUNT] = {-1, -1, -1, -1};
 	struct dag *d = b->d;
 
-	*x = (struct forward){.b = b, .torques = x->torques, .tour = want_tour(b, in), .singular = -1};
+	*x = (struct forward){.b = b, .torques = x->torques, .stands = x->stands, .tour = want_tour(b, in),
+		.singular = -1};
 	b->factored = x;
 	x->tour.eased = arena_alloc(d->arena, (size_t)b->t->nv, sizeof *x->tour.eased);
 	if (!x->tour.eased)
@@ -99,18 +106,18 @@ void forward_factor(struct forward *x, struct build *b, struct joint_inputs in)
 		factor(x, d);
 	if (x->singular >= 0)
 		d->failed = d->singular = 1 + x->singular;
-	if (b->k->contact_count && !d->failed)
+	if (x->stands && !d->failed)
 		contacts_factor(x, in);
 }
 
 void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 {
 	struct dag *d = b->d;
-	int nv = b->t->nv, found = contacts_found(b);
+	int nv = b->t->nv, found = x->stands ? contacts_found(b) : nv;
 
 	forward_factor(x, b, in);
 	b->forward = x;
-	x->qdd = arena_alloc(d->arena, (size_t)found, sizeof *x->qdd);
+	x->qdd = arena_alloc(d->arena, (size_t)contacts_found(b), sizeof *x->qdd);
 	x->looped = b->loops ? arena_alloc(d->arena, DAG_ARGUMENTS * (size_t)nv, 1) : NULL;
 	if (!x->qdd || (b->loops && !x->looped))
 		d->failed = 1;
@@ -172,10 +179,10 @@ void forward_solve(const struct forward *x, struct ref *rhs)
 {
 	if (x->b->d->failed)
 		return;
-	if (x->b->dynamics == DYNAMICS_ARTICULATED)
-		articulated_solve(&x->bodies, rhs);
-	else if (x->b->k->contact_count)
+	if (x->stands)
 		contacts_solve(x, rhs);
+	else if (x->b->dynamics == DYNAMICS_ARTICULATED)
+		articulated_solve(&x->bodies, rhs, NULL, NULL);
 	else
 		factor_solve(&x->M, rhs);
 }
@@ -191,7 +198,7 @@ void forward_inverse(const struct forward *x, struct ref *X)
 	}
 	for (int j = 0; j < nv; j++) {
 		X[j * nv + j] = dag_const(d, 1);
-		articulated_solve(&x->bodies, X + j * nv); /* a row is a column */
+		articulated_solve(&x->bodies, X + j * nv, NULL, NULL); /* a row is a column */
 		for (int i = 0; i < j; i++)
 			X[j * nv + i] = X[i * nv + j];
 	}

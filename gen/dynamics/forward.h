@@ -27,11 +27,13 @@ struct loops {
 struct forward {
 	struct build *b;
 	struct source torques;  /* tau */
+	int stands;             /* contacts' forces are found with qdd; else those of b->forces, if there are contacts, pull */
 	struct tour tour;       /* ID(q, qd, qdd_0); M, or the articulated bodies, along with it */
 	struct recursion mass;
 	struct articulated bodies;
 	struct factor M;
 	struct ref *Y;          /* of contacts, by row of theirs and of qd: L' Y = J' (contacts.c) */
+	struct ref *inverse;    /* 1/D, by row of qd */
 	struct factor S;        /* J M^-1 J' */
 	struct pattern coupled; /* of the derivatives of qdd */
 	struct ref *qdd;        /* [nv], then the contacts' forces */

@@ -64,10 +64,10 @@ enum looped { LOOPED_SINGLE, LOOPED_LANES, LOOPED_BATCH, LOOPED_RELAY };
 int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k, enum looped use);
 
 /* What stands in rows of the output, and is read back there: nothing; qdd, and mu of a vjp (product.c); of a jvp also what
-   M^-1 is to be taken of. */
-enum handed { HANDED_NOTHING, HANDED_FOUND, HANDED_ALL };
+   M^-1 is to be taken of; of qdd the forces on what stands. */
+enum handed { HANDED_NOTHING, HANDED_FOUND, HANDED_ALL, HANDED_FORCES };
 
-/* The DAG of a product of accelerations once more, the only output, without refinement: for kernels that go on from what the one
+/* The DAG of accelerations with contacts, or of a product of accelerations, once more, the only output, without refinement: for kernels that go on from what the one
    before has written. What is handed on is an output of its own before those that read it there. */
 void algorithm_build_handed(struct dag *d, const struct tree *t, const struct request *k, enum handed handed);
 

@@ -106,7 +106,7 @@ int singular_find(struct dag *d, const struct tree *t, const struct request *k)
 	arena_init(&spare, &d->arena->allocator);
 	dag_init(&trial, &spare);
 	want_build_in(&trial, t, k, (struct ways){.derivatives = DERIVATIVES_RECURSION,
-		.dynamics = articulated_is_shorter(t) && !k->contact_count ? DYNAMICS_ARTICULATED : DYNAMICS_FACTOR, .pivots_alone = 1});
+		.dynamics = articulated_is_shorter(t) ? DYNAMICS_ARTICULATED : DYNAMICS_FACTOR, .pivots_alone = 1});
 	d->failed |= trial.failed;
 	d->singular = trial.singular;
 	if (!d->failed)

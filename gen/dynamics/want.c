@@ -309,14 +309,28 @@ struct ref want_hand_on(const struct build *b, int row, struct ref value, const 
 	return read;
 }
 
+/* Forces stand in the first rows of qdd, where another kernel reads them, which finds qdd anew. */
+static void hand_forces(struct build *b, struct forward *x)
+{
+	for (int i = 0; i < b->k->contact_rows && !b->d->failed; i++) {
+		dag_output(b->d, b->outputs[0], i, x->qdd[b->t->nv + i]);
+		b->forces[i] = dag_input(b->d, b->outputs[0], i);
+	}
+	x->stands = 0;
+}
+
 /* Where tau is an input, qdd is what it makes: held while torques are differentiated, until all is made. */
 static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
 {
 	forward_find(x, b, *in);
+	if (b->handed == HANDED_FORCES) {
+		hand_forces(b, x);
+		forward_find(x, b, *in);
+	}
 	forward_outputs(x, output_of(b, WANT_QDD), output_of(b, WANT_MINV));
 	for (int i = 0; i < b->t->nv && b->loops && b->loops->is_relay && !b->d->failed; i++)
 		x->qdd[i] = dag_input(b->d, output_of(b, WANT_QDD), i);
-	for (int i = 0; i < b->t->nv && b->handed && !b->d->failed; i++)
+	for (int i = 0; i < b->t->nv && b->handed && b->handed != HANDED_FORCES && !b->d->failed; i++)
 		x->qdd[i] = want_hand_on(b, i, x->qdd[i], "qdd");
 	in->qdd = (struct source){.argument = DAG_HELD};
 	for (int i = 0; i < b->k->contact_rows && !b->d->failed; i++)
@@ -358,7 +372,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics,
 		.pivots_alone = ways.pivots_alone, .loops = ways.loops, .way = ways.way, .handed = ways.handed};
 	struct joint_inputs in;
-	struct forward forward = {.b = &b, .torques = {.argument = -1}};
+	struct forward forward = {.b = &b, .torques = {.argument = -1}, .stands = k->contact_count > 0};
 
 	if (!alloc(&b)) {
 		d->failed = 1;

@@ -72,9 +72,6 @@ void want_rate(const struct build *b, const struct tour *r);
 /* The wrenches from outside on a body that has been entered; where they are in axes of the world, the body's orientation. */
 void want_pull(const struct tour *r, int body);
 
-/* One that pulls at p, in the body's axes. */
-void want_pull_at(const struct tour *r, int body, const struct within p[3], struct svec f, struct svec n);
-
 /* The acceleration of its origin with gravity, where contacts are on it or a scene asks for accelerations. */
 void want_free(const struct tour *r, int body);
 

@@ -63,27 +63,18 @@ static void output_links(const struct tour *r, int body)
 	}
 }
 
-void want_pull_at(const struct tour *r, int body, const struct within p[3], struct svec f, struct svec n)
-{
-	struct dag *d = r->d;
-	struct frame *x = &r->frames[body + 1];
-
-	x->f = svec_sub(d, x->f, f);
-	x->n = svec_sub(d, x->n, svec_add(d, n, svec_cross(d, svec_const(d, p), f)));
-}
-
 /* A wrench (f, n) at a link's origin takes R f and R n + p x R f off what the body's joint must bear. */
-static void pull(const struct tour *r, const struct push *p, int argument, int body)
+static void pull(const struct tour *r, const struct push *p, int argument, struct frame *x)
 {
 	struct dag *d = r->d;
 	const struct build *b = r->context;
-	const struct smat *R0 = &r->frames[body + 1].R0;
 	struct svec f = svec_input(d, argument, 0), n = svec_input(d, argument, 3);
 	struct smat R = smat_const(d, &p->X.R);
 
-	f = b->k->in_world ? smat_mul_transposed(d, R0, f) : smat_mul(d, &R, f);
-	n = b->k->in_world ? smat_mul_transposed(d, R0, n) : smat_mul(d, &R, n);
-	want_pull_at(r, body, p->X.p, f, n);
+	f = b->k->in_world ? smat_mul_transposed(d, &x->R0, f) : smat_mul(d, &R, f);
+	n = b->k->in_world ? smat_mul_transposed(d, &x->R0, n) : smat_mul(d, &R, n);
+	x->f = svec_sub(d, x->f, f);
+	x->n = svec_sub(d, x->n, svec_add(d, n, svec_cross(d, svec_const(d, p->X.p), f)));
 }
 
 void want_pull(const struct tour *r, int body)
@@ -96,7 +87,7 @@ void want_pull(const struct tour *r, int body)
 		place(r, k, &r->frames[k->parent + 1], x);
 	for (int i = 0; i < b->k->push_count; i++)
 		if (b->k->pushes[i].body == body)
-			pull(r, &b->k->pushes[i], b->pushed[i], body);
+			pull(r, &b->k->pushes[i], b->pushed[i], x);
 }
 
 void want_free(const struct tour *r, int body)

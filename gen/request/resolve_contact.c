@@ -80,8 +80,6 @@ static enum rneagen_code check_options(const struct resolver *x)
 	if (k->frame == FRAME_WORLD)
 		return scene_refuse(x->s, c, x->e, "contacts are in the link's axes or the world's at the link's origin: take --frame "
 			"world-aligned, or link");
-	if (k->dynamics == DYNAMICS_ARTICULATED)
-		return scene_refuse(x->s, c, x->e, "articulated bodies do not serve links that stand: take --dynamics factor");
 	if (k->derivatives == DERIVATIVES_RECURSION)
 		return scene_refuse(x->s, c, x->e, "the recursion does not serve links that stand: take --derivatives forward");
 	return RNEAGEN_OK;
@@ -93,7 +91,6 @@ enum rneagen_code request_check_contacts(const struct resolver *x)
 		return RNEAGEN_OK;
 	if (check_options(x) || check_wants(x))
 		return x->e->code;
-	x->k->dynamics = DYNAMICS_FACTOR;
 	x->k->derivatives = DERIVATIVES_FORWARD;
 	return RNEAGEN_OK;
 }

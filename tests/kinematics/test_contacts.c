@@ -21,10 +21,12 @@ static const struct subject {
 	const char *accelerated; /* the input that says how all rows of the first contact are to accelerate; NULL: it stands */
 } SUBJECTS[] = {
 	{"hyq", "contact lf_foot,rf_foot,lh_foot,rh_foot\n", RNEAGEN_FLOATING, NULL},
+	{"hyq", "contact lf_foot,rf_foot,lh_foot,rh_foot\ndynamics articulated\n", RNEAGEN_FLOATING, NULL},
+	{"g1_29dof", "contact head_link\nweld right_ankle_roll_link\ndynamics articulated\n", RNEAGEN_FLOATING, NULL},
 	{"hyq", "contact rh_foot,lf_foot\nframe world-aligned\nrefine 1:same\nfree accel.rh_foot\n", RNEAGEN_FLOATING, "accel_rh_foot"},
 	{"g1_29dof", "contact right_rubber_hand\nweld left_ankle_roll_link\nframe world-aligned\n", RNEAGEN_FLOATING, NULL},
 	{"iiwa14", "add-frame tip=iiwa_link_ee,0.1,-0.2,0.3,1,2,3\ncontact tip\nparams base\n", RNEAGEN_FIXED, NULL},
-	{"iiwa14", "weld iiwa_link_7\nframe world-aligned\nfree accel.iiwa_link_7\n", RNEAGEN_FIXED, "accel_iiwa_link_7"},
+	{"iiwa14", "weld iiwa_link_7\nframe world-aligned\ndynamics articulated\nfree accel.iiwa_link_7\n", RNEAGEN_FIXED, "accel_iiwa_link_7"},
 	{"floating_joint", "contact left_arm\n", RNEAGEN_FIXED, NULL},
 	{"mimic_chain", "contact hand\n", RNEAGEN_FLOATING, NULL},
 	{"panda", "contact panda_leftfinger\n", RNEAGEN_FIXED, NULL},

@@ -35,6 +35,8 @@ static const struct subject {
 	{"floating_joint", "want qdd,com\njvp com,potential\nvjp qdd,pose.left_arm\n", 0},
 	{"root_with_mass", "free mass.leg:sample\nwant qdd,dqdd_dqd,dqdd_dmass.leg\njvp qdd\nvjp qdd\n", 1},
 	{"root_with_mass", "free mass.leg:sample\nvjp qdd,com\njvp vjp,kinetic\nby mass.leg\n", 1}, /* second derivatives */
+	{"floating_joint", "contact left_arm\nwant qdd,contact.left_arm,dqdd_dq\nvjp qdd,contact.left_arm\n", 0},
+	{"hyq", "weld trunk\nframe world-aligned\nfree accel.trunk\nwant weld.trunk,qdd,dqdd_daccel.trunk\njvp weld.trunk\n", 1},
 };
 static const char *const WAYS[] = {"dynamics factor\n", "dynamics articulated\n", "dense\nrefine 1\n"};
 static const enum rneagen_target TARGETS[] = {RNEAGEN_TARGET_C, RNEAGEN_TARGET_CUDA, RNEAGEN_TARGET_HEADER};
@@ -50,9 +52,9 @@ static struct rneagen_options options_of(const int *row, char *scene, size_t siz
 {
 	const struct subject *s = &SUBJECTS[row[ROBOT]];
 	struct rneagen_options o = rneagen_options_default();
-	int is_mimic = !strcmp(s->name, "mimic_chain");
+	int takes_factors = !strcmp(s->name, "mimic_chain") || strstr(s->scene, "contact ") || strstr(s->scene, "weld ");
 
-	snprintf(scene, size, "%s%s", s->scene, is_mimic && row[WAY] == 1 ? "" : WAYS[row[WAY]]);
+	snprintf(scene, size, "%s%s", s->scene, takes_factors && row[WAY] == 1 ? "" : WAYS[row[WAY]]);
 	o.scene = scene;
 	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	o.target = TARGETS[row[TARGET]];

@@ -213,5 +213,5 @@ int base_first_make(struct part **parts, int *count, const struct parts_of *x, s
 
 int base_first_is(const struct part *parts, int count, const struct request *k)
 {
-	return count && parts[0].is_before && k->is_forward && k->wants[0].kind == WANT_QDD; /* wants that are stored come first */
+	return count && parts[0].is_before && k->is_forward && !k->contact_count && k->wants[0].kind == WANT_QDD; /* wants that are stored come first */
 }

@@ -27,7 +27,8 @@ struct round {
 };
 
 static const struct round OF_VJP[] = {{"qdd, and M^-1 of the weights", 1}, {"the rest, where both are found", 0}},
-	OF_JVP[MOST_ROUNDS] = {{"qdd", 1}, {"what tau changes by where qdd stands still", 0}, {"M^-1 of that", 1}};
+	OF_JVP[MOST_ROUNDS] = {{"qdd", 1}, {"what tau changes by where qdd stands still", 0}, {"M^-1 of that", 1}},
+	OF_CONTACTS[] = {{"forces on what stands", 1}, {"qdd, with these", 1}};
 
 /* One of them on its way to parts. */
 struct made {
@@ -63,10 +64,12 @@ static int is_served(const struct parts_of *x)
 	const struct rneagen_options *o = x->options;
 	const struct request *k = x->request;
 
-	if (!x->has_kernels || !x->is_unpruned || o->strict || k->refine_steps || k->contact_count || !k->is_forward || k->stored_count != 1)
+	if (!x->has_kernels || !x->is_unpruned || o->strict || k->refine_steps || !k->is_forward || k->stored_count != 1)
 		return 0;
 	if (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64)
 		return 0;
+	if (k->contact_count)
+		return product_of(x) == WANT_QDD && o->layout == RNEAGEN_SOA;
 	if (product_of(x) == WANT_VJP)
 		return request_is_plain_product(k, &k->vjp) && has_places(x);
 	return product_of(x) == WANT_JVP && request_is_plain_product(k, &k->jvp) && o->layout == RNEAGEN_SOA;
@@ -84,7 +87,8 @@ static int *rounds_of(const struct dag *d, const struct parts_of *x, struct aren
 	int nv = x->tree->nv, *round = arena_alloc(a, d->output_count + 1, sizeof *round);
 
 	for (int i = 0; i < (int)d->output_count && round; i++)
-		round[i] = product_of(x) == WANT_JVP ? i / nv : i >= nv && d->outputs[i].row < 2 * nv;
+		round[i] = x->request->contact_count ? i >= x->request->contact_rows
+			: product_of(x) == WANT_JVP ? i / nv : i >= nv && d->outputs[i].row < 2 * nv;
 	return round;
 }
 
@@ -121,10 +125,10 @@ static int begin(struct chain *c, const struct parts_of *x, struct arena *spare,
 {
 	int is_jvp = product_of(x) == WANT_JVP;
 
-	c->rounds = is_jvp ? OF_JVP : OF_VJP;
+	c->rounds = x->request->contact_count ? OF_CONTACTS : is_jvp ? OF_JVP : OF_VJP;
 	c->round_count = is_jvp ? 3 : 2;
 	c->parts = arena_alloc(a, (size_t)c->round_count * ((size_t)x->tree->nv + 2), sizeof *c->parts);
-	if (!c->parts || !found_rounds(c->dags, c->round_count, x, HANDED_ALL, spare))
+	if (!c->parts || !found_rounds(c->dags, c->round_count, x, x->request->contact_count ? HANDED_FORCES : HANDED_ALL, spare))
 		return 0;
 	if (is_jvp)
 		rename_found(&c->dags[2]);
@@ -135,6 +139,7 @@ static int begin(struct chain *c, const struct parts_of *x, struct arena *spare,
 		m->request.is_forward = 0;
 		if (c->rounds[i].is_forward)
 			m->request = request_of_accelerations(x->request, &m->qdd);
+		m->request.contact_count = m->request.contact_rows = 0;
 		m->of = *x;
 		m->of.raw = &c->dags[i];
 		m->of.request = &m->request;
