@@ -106,62 +106,99 @@ struct ref *contacts_join(const struct build *b, struct ref *torques)
 
 /* ---- forces ---- */
 
-/* L' Y = J', in place of J. */
-static void reduce_by_factors(struct forward *x, const struct contact *c, struct ref *J)
+/* What row i of qd adds to S. */
+static void add_row(const struct forward *x, int i)
+{
+	struct dag *d = x->b->d;
+	int nv = x->b->t->nv, rows = x->b->k->contact_rows;
+
+	for (int c = 0; c < rows; c++) {
+		struct ref over = dag_mul(d, x->Y[c * nv + i], x->inverse[i]);
+
+		for (int e = 0; e <= c; e++)
+			x->felt[c * rows + e] = dag_add(d, x->felt[c * rows + e], dag_mul(d, over, x->Y[e * nv + i]));
+	}
+}
+
+/* By factors of M, L' Y = J', when these are made. */
+static void reduce_by_factors(struct forward *x)
 {
 	const struct build *b = x->b;
-	const struct want of = {.body = c->body, .X = c->X};
 	size_t nv = (size_t)b->t->nv;
+	struct ref *J = arena_alloc(b->d->arena, 6 * nv, sizeof *J);
 
-	memset(J, 0, 6 * nv * sizeof *J);
-	jacobian_columns(&b->places, &of, J);
-	for (int row = 0; row < c->rows; row++) {
-		factor_reduce(&x->M, J + (size_t)row * nv);
-		memcpy(x->Y + (size_t)(c->first + row) * nv, J + (size_t)row * nv, nv * sizeof *J);
+	for (int i = 0; i < b->k->contact_count && J; i++) {
+		const struct contact *c = &b->k->contacts[i];
+		const struct want of = {.body = c->body, .X = c->X};
+
+		memset(J, 0, 6 * nv * sizeof *J);
+		jacobian_columns(&b->places, &of, J);
+		for (int row = 0; row < c->rows; row++) {
+			factor_reduce(&x->M, J + (size_t)row * nv);
+			memcpy(x->Y + (size_t)(c->first + row) * nv, J + (size_t)row * nv, nv * sizeof *J);
+		}
 	}
+	for (int i = 0; i < x->M.n; i++)
+		x->inverse[x->M.row[i]] = x->M.inverse[i];
+	for (int i = x->M.n; i-- > 0 && J;)
+		add_row(x, x->M.row[i]);
 }
 
-/* J' is not made: a unit force is carried back to the base, and each joint takes its part (opspace.c). */
-static void reduce_by_bodies(struct forward *x, const struct contact *c)
+/* Unit forces on a contact, in its body's frame and about that's origin. */
+static void begin_units(struct forward *x, const struct contact *c)
 {
-	const struct build *b = x->b;
-	const struct tree *t = b->t;
+	struct contact alone = *c;
 
+	alone.first = 0;
 	for (int row = 0; row < c->rows; row++) {
-		struct ref unit[6] = {{0}}, *Y = x->Y + (c->first + row) * t->nv;
-		struct contact alone = *c;
-		struct svec f, n;
+		struct ref unit[6] = {{0}};
 
-		alone.first = 0;
-		unit[row] = dag_const(b->d, 1);
-		wrench_of(b, &x->tour.frames[c->body + 1], &alone, unit, &f, &n);
-		for (int k = c->body; k >= 0; k = t->bodies[k].parent)
-			articulated_reduce(&x->bodies, k, &f, &n, Y + t->bodies[k].iv);
+		unit[row] = dag_const(x->b->d, 1);
+		wrench_of(x->b, &x->tour.frames[c->body + 1], &alone, unit, &x->unit_f[c->first + row], &x->unit_n[c->first + row]);
 	}
 }
 
-static void invert(struct forward *x)
+/* Is the body on the way from the contact to the base? */
+static int carries(const struct tree *t, int body, const struct contact *c)
+{
+	int k = c->body;
+
+	while (k > body)
+		k = t->bodies[k].parent;
+	return k == body;
+}
+
+void contacts_left(struct forward *x, int body)
 {
 	const struct tree *t = x->b->t;
+	const struct request *k = x->b->k;
+	int iv = t->bodies[body].iv, rows = joint_nv(t->bodies[body].type);
 
-	for (int i = 0; i < t->nv && x->b->dynamics != DYNAMICS_ARTICULATED; i++)
-		x->inverse[x->M.row[i]] = x->M.inverse[i];
-	for (int k = 0; k < t->body_count && x->b->dynamics == DYNAMICS_ARTICULATED; k++)
-		for (int i = 0; i < joint_nv(t->bodies[k].type); i++)
-			x->inverse[t->bodies[k].iv + i] = x->bodies.bodies[k].D.inverse[i];
+	for (int i = 0; i < k->contact_count; i++) {
+		const struct contact *c = &k->contacts[i];
+
+		if (c->body == body)
+			begin_units(x, c);
+		for (int row = c->first; row < c->first + c->rows && carries(t, body, c); row++)
+			articulated_reduce(&x->bodies, body, &x->unit_f[row], &x->unit_n[row], x->Y + row * t->nv + iv);
+	}
+	for (int i = iv + rows; i-- > iv && !x->b->d->failed;) {
+		x->inverse[i] = x->bodies.bodies[body].D.inverse[i - iv];
+		add_row(x, i);
+	}
 }
 
-static void reduce(struct forward *x)
+void contacts_begin(struct forward *x)
 {
-	const struct request *k = x->b->k;
-	struct ref *J = arena_alloc(x->b->d->arena, 6 * (size_t)x->b->t->nv, sizeof *J);
+	struct arena *a = x->b->d->arena;
+	size_t rows = (size_t)x->b->k->contact_rows, nv = (size_t)x->b->t->nv;
 
-	invert(x);
-	for (int i = 0; i < k->contact_count && J; i++)
-		if (x->b->dynamics == DYNAMICS_ARTICULATED)
-			reduce_by_bodies(x, &k->contacts[i]);
-		else
-			reduce_by_factors(x, &k->contacts[i], J);
+	x->Y = arena_alloc(a, rows * nv, sizeof *x->Y);
+	x->inverse = arena_alloc(a, nv, sizeof *x->inverse);
+	x->felt = arena_alloc(a, rows * rows, sizeof *x->felt);
+	x->unit_f = arena_alloc(a, rows, sizeof *x->unit_f);
+	x->unit_n = arena_alloc(a, rows, sizeof *x->unit_n);
+	x->b->d->failed |= a->failed;
 }
 
 /* The sum of y D^-1 Y, by rows of qd. */
@@ -171,7 +208,7 @@ static struct ref over(const struct forward *x, const struct ref *y, int row)
 	const struct ref *Y = x->Y + row * x->b->t->nv;
 	struct ref sum = {0};
 
-	for (int i = 0; i < x->b->t->nv; i++)
+	for (int i = x->b->t->nv; i-- > 0;)
 		sum = dag_add(d, sum, dag_mul(d, dag_mul(d, y[i], x->inverse[i]), Y[i]));
 	return sum;
 }
@@ -180,23 +217,15 @@ void contacts_factor(struct forward *x, struct joint_inputs in)
 {
 	struct build *b = x->b;
 	struct dag *d = b->d;
-	int rows = b->k->contact_rows, nv = b->t->nv, singular = -1;
-	struct ref *S = arena_alloc(d->arena, (size_t)(rows * rows), sizeof *S);
+	int singular = -1;
 
-	x->Y = arena_alloc(d->arena, (size_t)(rows * nv), sizeof *x->Y);
-	x->inverse = arena_alloc(d->arena, (size_t)nv, sizeof *x->inverse);
-	if (!S || !x->Y || !x->inverse) {
-		d->failed = 1;
-		return;
-	}
-	if (b->dynamics != DYNAMICS_ARTICULATED)
+	if (b->dynamics != DYNAMICS_ARTICULATED) {
 		want_places(b, in);
+		dag_section(d, SECTION_CONTACTS, 0);
+		reduce_by_factors(x);
+	}
 	dag_section(d, SECTION_CONTACTS, 0);
-	reduce(x);
-	for (int i = 0; i < rows; i++)
-		for (int j = 0; j <= i; j++)
-			S[i * rows + j] = over(x, x->Y + i * nv, j);
-	if (d->failed || factor_make(&x->S, d, rows, NULL, S, &singular))
+	if (d->failed || factor_make(&x->S, d, b->k->contact_rows, NULL, x->felt, &singular))
 		return;
 	d->failed = 1;
 	if (singular >= 0)
@@ -271,11 +300,50 @@ void contacts_outputs(const struct forward *x)
 	}
 }
 
+/* A row of qd that is free, of the contact's chain, those nearest to it first, or else of any joint. The base's last: another
+   kernel may make these before the joints' (plan/grid/base_first.h), and a limb's forces are read by the part that has its rows. */
+static int free_row(const struct tree *t, const struct contact *c, unsigned char *taken)
+{
+	for (int k = c->body; k > 0; k = t->bodies[k].parent)
+		for (int i = t->bodies[k].iv + joint_nv(t->bodies[k].type); i-- > t->bodies[k].iv;)
+			if (!taken[i])
+				return i;
+	for (int i = t->nv; i-- > 0;)
+		if (!taken[i])
+			return i;
+	return -1; /* there are no more contacts' rows than coordinates, unless forces are no numbers */
+}
+
+void contacts_hand_on(struct forward *x)
+{
+	struct build *b = x->b;
+	struct dag *d = b->d;
+	unsigned char *taken = arena_alloc(d->arena, (size_t)b->t->nv + 1, sizeof *taken);
+
+	x->stands = 0;
+	for (int i = 0; i < b->k->contact_count && taken; i++) {
+		const struct contact *c = &b->k->contacts[i];
+
+		for (int f = c->first; f < c->first + c->rows && !d->failed; f++) {
+			int row = free_row(b->t, c, taken);
+
+			if (row < 0) {
+				d->failed = 1;
+				return;
+			}
+			taken[row] = 1;
+			dag_output(d, b->outputs[0], row, x->qdd[b->t->nv + f]);
+			b->forces[f] = dag_input(d, b->outputs[0], row);
+		}
+	}
+	d->failed |= !taken;
+}
+
 void contacts_pivots(const struct forward *x, struct ref *pairs)
 {
 	for (int i = 0; i < x->S.n; i++) {
 		pairs[2 * i] = x->S.D[i];
-		pairs[2 * i + 1] = over(x, x->Y + i * x->b->t->nv, i);
+		pairs[2 * i + 1] = x->felt[i * x->S.n + i];
 	}
 }
 

@@ -15,7 +15,12 @@ void contacts_pull(const struct tour *r, int body);
 /* The torques of such a tour, and behind them how contacts accelerate; NULL when memory runs out. */
 struct ref *contacts_join(const struct build *b, struct ref *torques);
 
-/* J and the factors of J M^-1 J', when those of M are made. d->failed is set when memory runs out, or with d->singular where
+/* Before a tour whose way back finds what forces on contacts make these accelerate by, J M^-1 J', and when it has left a body
+   that is articulated. */
+void contacts_begin(struct forward *x);
+void contacts_left(struct forward *x, int body);
+
+/* The factors of that, when those of M are made, or bodies are articulated. d->failed is set when memory runs out, or with d->singular where
    contacts hold what is held already. */
 void contacts_factor(struct forward *x, struct joint_inputs in);
 
@@ -24,6 +29,9 @@ void contacts_solve(const struct forward *x, struct ref *rhs);
 
 /* Write the forces that are wanted. */
 void contacts_outputs(const struct forward *x);
+
+/* Forces into rows of the first output, where the next kernel reads them: it finds qdd with these. */
+void contacts_hand_on(struct forward *x);
 
 /* A number of D of the factors, and the element that it is left of, for each row; what d->singular says of such a row. */
 void contacts_pivots(const struct forward *x, struct ref *pairs);

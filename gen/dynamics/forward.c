@@ -31,6 +31,8 @@ static void left(const struct tour *r, int body)
 
 	if (b->dynamics == DYNAMICS_ARTICULATED)
 		articulated_leave(&x->bodies, body, &x->singular);
+	if (b->dynamics == DYNAMICS_ARTICULATED && x->stands && x->singular < 0 && !r->d->failed)
+		contacts_left(x, body);
 	if (takes_mass(b))
 		recursion_leave(&x->mass, body);
 }
@@ -90,6 +92,8 @@ void forward_factor(struct forward *x, struct build *b, struct joint_inputs in)
 	x->tour.entered = forward_enter;
 	x->tour.left = left;
 	x->tour.own_terms = own_terms;
+	if (x->stands)
+		contacts_begin(x);
 	if (b->dynamics == DYNAMICS_ARTICULATED)
 		articulated_begin(&x->bodies, &x->tour);
 	if (takes_mass(b))

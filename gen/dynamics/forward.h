@@ -32,9 +32,11 @@ struct forward {
 	struct recursion mass;
 	struct articulated bodies;
 	struct factor M;
-	struct ref *Y;          /* of contacts, by row of theirs and of qd: L' Y = J' (contacts.c) */
-	struct ref *inverse;    /* 1/D, by row of qd */
-	struct factor S;        /* J M^-1 J' */
+	/* of contacts (contacts.c), by row of theirs and of qd: L' Y = J'; 1/D; J M^-1 J', and its factors; unit forces on their
+	   way back */
+	struct ref *Y, *inverse, *felt;
+	struct factor S;
+	struct svec *unit_f, *unit_n;
 	struct pattern coupled; /* of the derivatives of qdd */
 	struct ref *qdd;        /* [nv], then the contacts' forces */
 	unsigned char *looped;  /* [arguments][nv]: columns that are left to a loop; NULL: none */

@@ -309,22 +309,12 @@ struct ref want_hand_on(const struct build *b, int row, struct ref value, const 
 	return read;
 }
 
-/* Forces stand in the first rows of qdd, where another kernel reads them, which finds qdd anew. */
-static void hand_forces(struct build *b, struct forward *x)
-{
-	for (int i = 0; i < b->k->contact_rows && !b->d->failed; i++) {
-		dag_output(b->d, b->outputs[0], i, x->qdd[b->t->nv + i]);
-		b->forces[i] = dag_input(b->d, b->outputs[0], i);
-	}
-	x->stands = 0;
-}
-
 /* Where tau is an input, qdd is what it makes: held while torques are differentiated, until all is made. */
 static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
 {
 	forward_find(x, b, *in);
 	if (b->handed == HANDED_FORCES) {
-		hand_forces(b, x);
+		contacts_hand_on(x);
 		forward_find(x, b, *in);
 	}
 	forward_outputs(x, output_of(b, WANT_QDD), output_of(b, WANT_MINV));

@@ -1,6 +1,7 @@
 #include "plan/grid/base_first.h"
 #include "plan/grid/apart.h"
 #include "plan/grid/hands/hands.h"
+#include "plan/grid/hands/turns.h"
 #include "plan/grid/joined.h"
 
 /* Values at once of the whole, in f64, beyond which there are two kernels, and what share of them a part may have. H200, ps for
@@ -100,7 +101,7 @@ static int divide(struct share *s, struct dag *limbs, const struct dag *d, const
 /* One of the kernels before. */
 static int finish(struct part *p, const struct parts_of *x, struct arena *a)
 {
-	if (!part_order(p, ORDERED_BASE, x, a))
+	if (!part_order(p, ORDERED_BASE, x, a) || !turns_delay_stores(&p->function.plan, a))
 		return 0;
 	p->is_before = 1;
 	return apart_set_rows(p, stretches_make, 0, x, a);
@@ -155,25 +156,21 @@ static int leaves_whole_rows(const struct part *p, const struct tree *t)
 	return d->arguments[parts_handed(d)].rows > t->nv || stretches_are_written(p->function.stretches, d);
 }
 
-/* By one kernel, or by two where its limbs are on two sides; *count: of them. */
-static int make_base(struct part *parts, int *count, struct share *s, int number, const char *of, const struct parts_of *x,
-	struct arena *spare, struct arena *a)
+int base_first_make_before(struct part *parts, int *count, const struct dag *base, int number, const char *what,
+	const struct parts_of *x, struct arena *spare, struct arena *a)
 {
-	const char *what = text_format(a, "the base's rows of %s", of);
 	struct hands h;
-	struct dag base;
 	int sides;
 
-	share_copy(s, FIRST, FIRST + 1, &base, spare);
-	if (base.failed || !find_felt(&h, &base, x, spare))
+	if (!find_felt(&h, base, x, spare))
 		return 0;
-	sides = h.level_count && is_shorter(&h.levels->rest, &base);
+	sides = h.level_count && is_shorter(&h.levels->rest, base);
 	if (sides && !make_felt(parts, &h, number, x, spare, a))
 		return 0;
 	sides = sides && leaves_whole_rows(parts, x->tree);
 	*count = 1 + sides;
 	parts[sides].level = sides;
-	return make(&parts[sides], sides ? &h.levels->rest : &base, number + sides, what, x, a);
+	return make(&parts[sides], sides ? &h.levels->rest : base, number + sides, what, x, a);
 }
 
 int base_first_divide(struct base_first *k, struct part *parts, int number, const char *of, int whole, const struct parts_of *x,
@@ -182,15 +179,17 @@ int base_first_divide(struct base_first *k, struct part *parts, int number, cons
 	static const char WHAT[] = "limbs, where those are found";
 	int *owner = arena_alloc(spare, x->raw->output_count + 1, sizeof *owner); /* by output of the limbs: its part */
 	struct share s;
-	struct dag limbs;
+	struct dag base, limbs;
 
 	*k = (struct base_first){0};
 	if (whole <= FULL)
 		return !spare->failed;
 	if (!owner || !divide(&s, &limbs, x->raw, x->tree, spare))
 		return 0;
+	share_copy(&s, FIRST, FIRST + 1, &base, spare);
 	k->limbs = joined_own_beyond(owner, &limbs, x->tree, BASE_ROWS, spare);
-	if (!k->limbs || !make_base(parts, &k->before, &s, number, of, x, spare, a) ||
+	if (base.failed || !k->limbs ||
+		!base_first_make_before(parts, &k->before, &base, number, text_format(a, "the base's rows of %s", of), x, spare, a) ||
 		!apart_make_limbs(parts + k->before, number + k->before, k->limbs, &limbs, owner, WHAT, x, spare, a))
 		return 0;
 	if (parts_alive(parts, k->before + k->limbs) > LEFT * whole)

@@ -26,6 +26,11 @@ int base_first_serves(const struct parts_of *x);
 int base_first_divide(struct base_first *k, struct part *parts, int number, const char *of, int whole, const struct parts_of *x,
 	struct arena *spare, struct arena *a);
 
+/* A DAG whose few outputs take all limbs, as one kernel before, or as two where its limbs are on two sides; *count: of them.
+   Returns 0 when memory runs out. */
+int base_first_make_before(struct part *parts, int *count, const struct dag *base, int number, const char *what,
+	const struct parts_of *x, struct arena *spare, struct arena *a);
+
 /* Are these such kernels? */
 int base_first_is(const struct part *parts, int count, const struct request *k);
 

@@ -72,6 +72,11 @@ static const struct subject {
 	{"atlas", "vjp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1, 1, 2, 1}, 0}, /* the base's rows first, and its sides, twice */
 	{"g1_29dof", "vjp qdd\nfree gravity:batch\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1, 1, 2, 1}, 1},
 	{"atlas", "vjp qdd\n", RNEAGEN_F32, RNEAGEN_SOA, 1, 1, {1, 1, 2}, 1},
+	/* forces on what stands, where much waits; those of a limb stand in its rows, and not in the base's, which come next */
+	{"atlas", "want qdd\nweld l_foot,r_foot\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 2, {1, 1, 1}, 0},
+	{"g1_29dof", "want qdd\nweld left_ankle_roll_link\ncontact right_rubber_hand\n", RNEAGEN_F32, RNEAGEN_SOA, 1, 1, {1}, 1},
+	{"hyq", "want qdd\ncontact lf_foot,rf_foot,lh_foot,rh_foot\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {1}, 0},
+	{"atlas", "want qdd\ncontact l_hand\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {0}, 1},
 	/* qdd, then what its jvp is M^-1 of */
 	{"atlas", "jvp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 2, {2, 2}, 1},
 	{"g1_29dof", "jvp qdd\nfree payload.left_ankle_roll_link:sample\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 2, {2, 2}, 1},
@@ -118,6 +123,7 @@ static const struct subject WHOLE[] = {
 	{"hyq", "vjp qdd\nrefine 1\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {0}, 1},
 	{"hyq", "want qdd\nvjp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {0}, 1},
 	{"hyq", "jvp qdd\n", RNEAGEN_F64, RNEAGEN_AOS, 1, 1, {0}, 1},
+	{"hyq", "want qdd,contact.lf_foot\ncontact lf_foot,rf_foot,lh_foot,rh_foot\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {0}, 1},
 	{"panda", "jvp qdd\n", RNEAGEN_F32, RNEAGEN_SOA, 0, 1, {0}, 1},
 	{"hyq", "want qdd\njvp qdd\n", RNEAGEN_F64, RNEAGEN_SOA, 1, 1, {0}, 1},
 	{"g1_29dof", "want qdd,qdd_bound\n", RNEAGEN_F64, RNEAGEN_SOA, 0, 1, {0}, 0},
@@ -228,6 +234,12 @@ static int finds_first(const struct subject *s)
 	return s->hands[0] && (strstr(s->scene, "vjp qdd") || strstr(s->scene, "jvp qdd"));
 }
 
+/* Forces on what stands. */
+static int finds_forces(const struct subject *s)
+{
+	return s->hands[0] && (strstr(s->scene, "contact ") || strstr(s->scene, "weld "));
+}
+
 static int has_sides(const struct subject *s)
 {
 	return s->hands[0] && s->floating && strstr(s->scene, "want") && strstr(s->scene, "vjp");
@@ -235,7 +247,7 @@ static int has_sides(const struct subject *s)
 
 static int finds_base(const struct subject *s)
 {
-	return s->hands[0] && strstr(s->scene, "want qdd");
+	return s->hands[0] && strstr(s->scene, "want qdd") && !finds_forces(s);
 }
 
 /* In two kernels, one for each side. */
@@ -262,7 +274,9 @@ static void expect_limbs(const struct subject *s, const char *source)
 		ck_assert_ptr_nonnull(line = strstr(source, "\"start_limbs "));
 		ck_assert_int_eq(sscanf(line, "\"start_limbs %*u %*u %*u %u", &start), 1);
 		ck_assert_uint_eq(start, most);
-	} else if (finds_base(s) || has_sides(s))
+	} else if (finds_forces(s))
+		ck_assert_uint_gt(most, 0);
+	else if (finds_base(s) || has_sides(s))
 		ck_assert_uint_ge(most, s->precision == RNEAGEN_F32 ? 1024 : 4096);
 	else if ((s->parts > 1 && (strstr(s->scene, "qdd") || strstr(s->scene, "vjp"))))
 		ck_assert_uint_le(most, 256);
@@ -303,6 +317,7 @@ static void expect_text(const struct subject *s, const char *source)
 	ck_assert_ptr_nonnull(strstr(source, finds_first(s)
 		? (strstr(s->scene, "jvp") ? "M^-1 of that" : "the rest, where both are found")
 		: finds_base(s) ? "limbs, where those are found"
+		: finds_forces(s) ? "forces on what stands"
 		: s->parts > 1 || s->hands[0] ? "limbs that share nothing with the others"
 								   : "the whole, where some of the motion is made again"));
 	ck_assert_int_eq(strstr(source, " = RNEA_READ_ANEW(") != NULL, strstr(s->scene, "vjp") != NULL && s->precision == RNEAGEN_F64 &&

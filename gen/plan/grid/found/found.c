@@ -59,6 +59,14 @@ static int has_places(const struct parts_of *x)
 		dag_find_role(x->raw, ROLE_JOINT_TORQUE, 0) == stretches_found_place(x->raw, FOUND_MU);
 }
 
+/* Do all forces stand in rows of joints? Those of a base that moves may be made before what reads the forces. */
+static int have_rows(const struct parts_of *x)
+{
+	int rows = x->tree->nv - (base_is_free(x->tree) ? joint_nv(JOINT_FLOATING) : 0);
+
+	return x->request->contact_rows <= rows;
+}
+
 static int is_served(const struct parts_of *x)
 {
 	const struct rneagen_options *o = x->options;
@@ -69,7 +77,7 @@ static int is_served(const struct parts_of *x)
 	if (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64)
 		return 0;
 	if (k->contact_count)
-		return product_of(x) == WANT_QDD && o->layout == RNEAGEN_SOA;
+		return product_of(x) == WANT_QDD && o->layout == RNEAGEN_SOA && have_rows(x);
 	if (product_of(x) == WANT_VJP)
 		return request_is_plain_product(k, &k->vjp) && has_places(x);
 	return product_of(x) == WANT_JVP && request_is_plain_product(k, &k->jvp) && o->layout == RNEAGEN_SOA;
@@ -139,7 +147,8 @@ static int begin(struct chain *c, const struct parts_of *x, struct arena *spare,
 		m->request.is_forward = 0;
 		if (c->rounds[i].is_forward)
 			m->request = request_of_accelerations(x->request, &m->qdd);
-		m->request.contact_count = m->request.contact_rows = 0;
+		if (i > 0) /* by then their forces are known */
+			m->request.contact_count = m->request.contact_rows = 0;
 		m->of = *x;
 		m->of.raw = &c->dags[i];
 		m->of.request = &m->request;
@@ -224,11 +233,24 @@ static int make_hands(struct kernels *k, struct chain *c, int round, struct aren
 	return k->main;
 }
 
+/* Forces on what stands, which take all limbs as the base's rows do. */
+static int make_forces(struct kernels *k, struct chain *c, struct arena *spare, struct arena *a)
+{
+	int count;
+
+	if (!base_first_make_before(c->parts, &count, &c->dags[0], 0, c->rounds[0].what, &c->made[0].of, spare, a))
+		return 0;
+	*k = (struct kernels){count - 1, 1};
+	return 1;
+}
+
 static int make_kernels(struct kernels *k, struct chain *c, int round, struct arena *spare, struct arena *a)
 {
 	const struct parts_of *x = &c->made[round].of;
 
 	*k = (struct kernels){0};
+	if (c->rounds == OF_CONTACTS && round == 0)
+		return make_forces(k, c, spare, a);
 	if (x->options->layout == RNEAGEN_SOA && base_is_free(x->tree) &&
 		!(c->rounds[round].is_forward ? divide : make_hands)(k, c, round, spare, a))
 		return 0;

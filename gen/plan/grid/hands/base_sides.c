@@ -40,6 +40,8 @@ void base_sides_bar(struct finder *f)
 	const struct dag *d = f->x->raw;
 	int last = parts_handed(d);
 
+	if (f->x->request->contact_count) /* no row has its own value yet */
+		return;
 	for (int row = 0; row < finder_rows(d); row++)
 		f->rows[row] = 1;
 	for (size_t i = 0; i < d->output_count; i++)
@@ -141,7 +143,7 @@ static unsigned cone(struct finder *f, const struct hand *m, const unsigned char
 	for (int i = 0; i < m->cut.count; i++)
 		(is_hands ? f->to : f->beyond)[m->cut.nodes[i]] = 1;
 	for (size_t i = 0; i < d->output_count; i++)
-		f->to[d->outputs[i].value.i] |= own[d->outputs[i].row % f->x->tree->nv] == is_hands;
+		f->to[d->outputs[i].value.i] |= finder_owns(f, own, i) == is_hands;
 	return count_taken(f);
 }
 

@@ -23,6 +23,12 @@ static inline int finder_rows(const struct dag *d)
 	return d->arguments[parts_handed(d)].rows;
 }
 
+/* Is it an output of the hand's joints? What takes all limbs is none of theirs, in whatever rows it stands. */
+static inline int finder_owns(const struct finder *f, const unsigned char *own, size_t output)
+{
+	return !f->is_felt && own[f->d->outputs[output].row % f->x->tree->nv];
+}
+
 /* Is it a hand, what `body` carries from body `first` to `end` - 1? A hand that is none has no cut. `own` has room for a row
    of qd each. The second takes it too. Return 0 when memory runs out. */
 int finder_look(struct hand *m, struct finder *f, int body, int first, int end, unsigned char *own);

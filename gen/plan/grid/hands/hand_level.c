@@ -29,7 +29,7 @@ int finder_share(struct finder *f, struct hand_level *level, int begin)
 	level->first = *d;
 	level->first.outputs = memcpy(outputs, d->outputs, d->output_count * sizeof *outputs);
 	for (size_t i = 0; i < d->output_count; i++)
-		level->owner[i] = hand_of(h, f->x->tree, d->outputs[i].row);
+		level->owner[i] = f->is_felt ? -1 : hand_of(h, f->x->tree, d->outputs[i].row);
 	for (int k = begin; k < h->count; k++)
 		for (int i = 0; i < h->list[k].cut.count; i++) {
 			level->owner[level->first.output_count] = k;

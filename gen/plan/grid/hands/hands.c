@@ -46,12 +46,6 @@ static int is_product(const struct finder *f)
 	return finder_rows(f->d) > f->x->tree->nv;
 }
 
-/* The first row of qd of the joint that output i belongs to. */
-static int row_of(const struct finder *f, size_t i)
-{
-	return f->d->outputs[i].row % f->x->tree->nv;
-}
-
 /* Rows of the arm for what is handed on, one for each joint, of a vjp three: those that are written last, which are nearest to
    the hand for torques, and farthest for a vjp, whose lines go by rows. Returns 0 where there are too few. */
 static int choose_rows(struct finder *f, struct hand *m)
@@ -79,7 +73,7 @@ static unsigned operations_of(struct finder *f, const struct hand *m, const unsi
 	for (int i = 0; i < m->cut.count; i++)
 		f->to[m->cut.nodes[i]] = 1;
 	for (size_t i = 0; i < d->output_count; i++)
-		f->to[d->outputs[i].value.i] |= own[row_of(f, i)];
+		f->to[d->outputs[i].value.i] |= (unsigned char)finder_owns(f, own, i);
 	dag_mark_operands(d, d->count, f->to);
 	for (size_t i = 0; i < d->count; i++) {
 		f->beyond[i] = f->from[i];
@@ -134,7 +128,7 @@ static void mark_ends(struct finder *f, const unsigned char *own)
 		return;
 	}
 	for (size_t i = 0; i < d->output_count; i++)
-		f->to[d->outputs[i].value.i] |= !own[row_of(f, i)];
+		f->to[d->outputs[i].value.i] |= !finder_owns(f, own, i);
 	mark_meetings(f);
 }
 
