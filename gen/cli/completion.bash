@@ -1,7 +1,7 @@
 # Completion of rneagen, rnearun and rnearun-mpi for bash.
 # shellcheck shell=bash
 
-_rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --dynamics --params --pose --frame --add-frame --refine --jvp --vjp --by --fext --fext-frame --armature --damping
+_rneagen_scene='--scene --root --tip --beside --lock --lock-all-but --fold --free --want --dense --derivatives --dynamics --params --pose --frame --add-frame --refine --jvp --vjp --by --fext --fext-frame --contact --weld --armature --damping
 	--friction --snap-angle --round-constants --drop-below --range'
 _rneagen_options="-o --output --target --precision --layout --strict --bounded --bounded=running --only --parts --segments --limbs --trig --base --gravity --mimic --order --name --info
 	--info=json --dot --dump --quiet --help --version $_rneagen_scene"
@@ -69,7 +69,7 @@ _rneagen() {
 	-o | --output) _rneagen_files "$current" .cu .c .h .hh .hpp .hxx .cuh ;;
 	--gravity | --order | --name) ;;
 	--scene | --armature) _rneagen_files "$current" '' ;;
-	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --add-frame | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;
+	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --add-frame | --fext | --contact | --weld | --snap-angle | --round-constants | --drop-below | --range) ;;
 	*)
 		if { [[ ( $option != --info && $option != --bounded ) || -n $joined ]]; } && words=$(_rneagen_words "$option"); then
 			mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
@@ -107,7 +107,7 @@ _rnearun() {
 	--scene | --armature) _rneagen_files "$current" '' ;;
 	--input | --output) ;; # NAME=FILE
 	--device) [[ ${COMP_WORDS[1]} != eval ]] || mapfile -t COMPREPLY < <(compgen -W all -- "$current") ;;
-	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --add-frame | --fext | --snap-angle | --round-constants | --drop-below | --range) ;;
+	--root | --tip | --lock | --lock-all-but | --fold | --free | --want | --add-frame | --fext | --contact | --weld | --snap-angle | --round-constants | --drop-below | --range) ;;
 	--gravity | --order | --threads | --slice | --samples | --seed | --qd-range | --qdd-range | --batch | --max-error | --seconds) ;;
 	*)
 		options=_rnearun_${COMP_WORDS[1]//-/_}

@@ -32,6 +32,8 @@ _rneagen_model=(
 	'--refine=[qdd after steps of refinement]:steps:(0 1 1\:f64 1\:f32x2 1\:same)'
 	'*--fext=[external wrenches on these links]:links:'
 	'--fext-frame=[the axes of external wrenches]:frame:(link world)'
+	'*--contact=[links whose origins stand still]:links:'
+	'*--weld=[links that stand still as a whole]:links:'
 	'--armature=[rotor inertias]:file:_files'
 	'--damping[of the URDF]'
 	'--friction=-[of the URDF, smoothed]::width:'

@@ -5,7 +5,7 @@
    With M = L' D L, L' Y = J' and S = J M^-1 J' = Y' D^-1 Y, any right side b, c of M x + J' n = b, J x = c is solved by
    L' y = b;  S n = Y' D^-1 y - c;  L x = D^-1 (y - Y n), and Y has no rows but those of a link's chain. Here n is -f, x is
    what qdd lacks, and c is -a, the links' acceleration so far. The same solves for derivatives, of both at once. */
-#include "dynamics/contacts.h"
+#include "dynamics/want.h"
 #include <string.h>
 
 int contacts_found(const struct build *b)

@@ -1,5 +1,4 @@
 #include "dynamics/forward.h"
-#include "dynamics/contacts.h"
 #include "dynamics/registry.h"
 #include "dynamics/want.h"
 #include "mechanics/tangent.h"

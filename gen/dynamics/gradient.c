@@ -2,7 +2,7 @@
 #include "dag/derive.h"
 #include "mechanics/tangent.h"
 #include "tree/pattern.h"
-#include "dynamics/contacts.h"
+#include "dynamics/want.h"
 #include "dynamics/forward.h"
 #include <string.h>
 

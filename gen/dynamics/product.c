@@ -6,7 +6,7 @@
    that outputs put on qdd are collected, mu = M^-1 of them is the derivative by tau, and a sweep with -mu on ID gives all
    else. */
 #include "dag/derive.h"
-#include "dynamics/contacts.h"
+#include "dynamics/want.h"
 #include "mechanics/tangent.h"
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* A step of iterative refinement (Wilkinson; Higham, Accuracy and Stability of Numerical Algorithms, 2nd ed., chapter 12): what
    the qdd found leaves of tau is solved for once more, by the factors that are there. With a residual in more bits the error of
    qdd falls to about one rounding, as long as the factors give a digit at all. */
-#include "dynamics/contacts.h"
+#include "dynamics/want.h"
 #include "dynamics/forward.h"
 
 static void entered(const struct tour *r, int body)

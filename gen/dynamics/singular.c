@@ -1,7 +1,7 @@
 #include "dynamics/singular.h"
 #include "dag/eval.h"
 #include "draw/draw.h"
-#include "dynamics/contacts.h"
+#include "dynamics/want.h"
 #include <math.h>
 
 /* A number of D is zero where M is singular; computed, some 1e-19 of the element of M that it is what is left of, and more where

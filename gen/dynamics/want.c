@@ -1,6 +1,6 @@
 /* The request of a scene: torques from what it gives and frees, and whatever else it asks for. The DAG drops what nobody
    needs, so each quantity is simply computed where its operands are at hand. */
-#include "dynamics/contacts.h"
+#include "dynamics/want.h"
 #include <string.h>
 
 /* ---- inputs ---- */

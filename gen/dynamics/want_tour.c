@@ -1,6 +1,6 @@
 /* Where bodies are, the wrenches that pull at them, and what is asked of their motions and joints: what joins a tour on its
    way out and back. */
-#include "dynamics/contacts.h"
+#include "dynamics/want.h"
 #include "tree/lumps.h"
 
 static int needs_pose(const struct request *k)

@@ -127,7 +127,7 @@ static void put_quantities(const struct emission *e, struct text *out)
 		{"v", "velocity of the origin"}, {"a", "acceleration of the origin, less gravity"},
 		{"f", "force: the link's own, then with its children's"}, {"n", "moment about the origin, as f"},
 		{"qdd", "acceleration of the link's joint, as it is found"},
-		{"sum", "a number of what the base feels of the limbs on its other side: of their inertia and forces"},
+		{"sum", "what the base feels of the limbs on its other side, sum1, sum2 and so on: the number is no link's"},
 		{"rhs", "change of the torque of the link's joint along the tangents, while qdd stands still"},
 		{"mu", "M^-1 of the weights on the accelerations, by the link's joint"},
 		{"iD", "1/D: the inverse of the inertia that the joint feels"},
@@ -207,7 +207,7 @@ static void put_parts(const struct emission *e, struct text *out)
 		put_entry("handed gap step",
 			"what hands left in the last array; rows that a part's slice lacks; from a row of handed to the next", out);
 	if (!has_hands && has_part(e, has_gap))
-		put_entry("gap", "rows that a part's tiles lack", out);
+		put_entry("gap", "rows that a part's slice or tile lacks", out);
 	if (has_part(e, tiles_are_inputs))
 		put_entry("inner", "from one row of an input to the next, which may be in a tile", out);
 	if (has_part(e, has_period))

@@ -42,7 +42,7 @@ void stretches_make_found(struct stretches *s, const struct dag *d, int nv);
 /* The same of a part that has all rows of each array. */
 void stretches_make_whole(struct stretches *s, const struct dag *d, int nv);
 
-/* Of a part of matrices the rows of inputs alone. */
+/* The rows of inputs alone: of a part of matrices, or one whose outputs do not leave as tiles. */
 void stretches_make_inputs(struct stretches *s, const struct dag *d);
 
 /* Does the part write every row of its stretches of outputs? */

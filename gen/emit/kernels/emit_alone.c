@@ -8,7 +8,7 @@
 enum {
 	LEAST_SAMPLES = 132 * 128,  /* of matrices: one warp for each scheduler of an H100 */
 	LEAST_TILED = 1 << 19,      /* of rows that move as tiles */
-	LEAST_PRODUCT = 132 * 1920, /* of these, with a vjp */
+	LEAST_PRODUCT = 132 * 1920, /* of these, with a vjp or a jvp */
 	/* where the base's acceleration comes first: 16384 and 262144 samples of floating atlas take 69 and 508 us without tiles,
 	   57 and 415 with them (H200) */
 	LEAST_BASE = 1 << 14

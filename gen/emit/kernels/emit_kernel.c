@@ -227,7 +227,7 @@ static const char *before_text(const struct emission *e)
 {
 	if (emit_has_sides(e))
 		return "The limbs of one side; a launch runs this kernel before the one that reads what the base takes of them";
-	if (emit_has_rounds(e))
+	if (emit_has_rounds(e) || (emit_finds_base(e) && emit_hand_levels(e) > 1))
 		return "One of the kernels before; a launch runs it before those that read what it leaves";
 	return emit_finds_first(e) ? "What is found first; a launch runs this kernel before the one that reads it"
 		: "Hands, each a part; a launch runs this kernel before the one that reads what they hand on";

@@ -4,7 +4,7 @@
 #include "plan/grid/hands/turns.h"
 #include "plan/grid/joined.h"
 
-/* Values at once of the whole, in f64, beyond which there are two kernels, and what share of them a part may have. H200, ps for
+/* Values at once of the whole, in f64 (in f32 nothing serves that holds so little), beyond which there are two kernels, and what share of them a part may have. H200, ps for
    each of a million samples, one kernel and two, in aos as well, and in brackets values of the whole and of the fullest part:
    hyq              310 and 572, 328 and 970 (144, 138)
    panda            186 and 318, 198 and 397 (114, 106)

@@ -66,7 +66,7 @@ static void set(struct function *p, const struct stretches *s, const struct chos
 	p->tiles = s;
 }
 
-/* A part of matrices: its rows of inputs. */
+/* A part of matrices, or one whose outputs cannot leave so: its rows of inputs. */
 static int set_inputs(struct function *p, const struct chosen *x, struct arena *a)
 {
 	struct stretches *s = arena_alloc(a, 1, sizeof *s);

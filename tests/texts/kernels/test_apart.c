@@ -253,7 +253,7 @@ static int finds_base(const struct subject *s)
 /* In two kernels, one for each side. */
 static int has_felt(const struct subject *s)
 {
-	return s->floating && s->hands[1] == 1 && (s->hands[2] == 2 || finds_base(s));
+	return s->floating && s->hands[1] == 1 && (s->hands[2] == 2 || finds_base(s) || finds_forces(s));
 }
 
 /* Up to fewer samples beside several parts of accelerations and of vjp, but where the base's acceleration comes first, and beside
@@ -323,7 +323,7 @@ static void expect_text(const struct subject *s, const char *source)
 	ck_assert_int_eq(strstr(source, " = RNEA_READ_ANEW(") != NULL, strstr(s->scene, "vjp") != NULL && s->precision == RNEAGEN_F64 &&
 		(strcmp(s->name, "atlas") || finds_first(s) || has_sides(s)));
 	ck_assert_int_eq(strstr(source, " In rows of the output each but the last leaves what it makes:") != NULL,
-		finds_first(s) || (finds_base(s) && has_felt(s)));
+		finds_first(s) || finds_forces(s) || (finds_base(s) && has_felt(s)));
 	ck_assert_int_eq(strstr(source, "_hands_kernel: what the base feels of links ") != NULL, has_felt(s));
 	ck_assert_int_eq(strstr(source, " * left in rows that ") != NULL, has_sides(s));
 	ck_assert_int_eq(strstr(source, "_fd_kernel reads it from there and makes those ") != NULL, finds_base(s) && !has_felt(s));

@@ -1,12 +1,14 @@
 #ifndef RNEAGEN_FOUND_H
 #define RNEAGEN_FOUND_H
-/* A product of accelerations by kernels one after the other, each in parts where limbs share nothing (joined.h).
+/* A product of accelerations, or these with contacts, by kernels one after the other, each in parts where limbs share nothing (joined.h).
 
    A vjp: the first finds qdd and, of the weights w, mu = M^-1 w, which is the vjp by tau. The second takes both from rows of
    the vjp and makes the rest, the vjp of the torques at that qdd with -mu for its weights (dynamics/product.c). A jvp: the
    first finds qdd, the second what tau changes by while that qdd stands still, dtau - T_q dq - T_qd dqd, and the third M^-1
    of that, each in the rows of the jvp. So nothing of M and its factors waits while the motion is gone over, nor motion while
    M is factored.
+
+   Accelerations with contacts: the first finds the forces on these, in rows of joints between base and contact, the second qdd.
 
    Where the base moves, in soa, a kernel that finds accelerations may be two or three, the base's own first (base_first.h),
    and one of torques two, one for each side of the base (hands/base_sides.h). */
