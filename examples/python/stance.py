@@ -3,11 +3,10 @@
 
 usage: stance.py ROBOT.urdf FOOT...
 
-A foot that stands has no acceleration: J qdd + dJ/dt qd = 0, with J the rows of its velocity. The ground's forces f make it
-so, M qdd + bias = tau + J' f. With qdd0 the acceleration without ground, f = -(J Minv J')^-1 (J qdd0 + dJ/dt qd), and
-qdd = qdd0 + Minv J' f (Featherstone, Rigid Body Dynamics Algorithms, 8.3). All that this needs is of one text. Forces of contact
-may pull here, and feet do not slip: that is for a simulator to decide. The feet then have no acceleration, and inverse
-dynamics with these forces from outside gives the torques back; exit status 1: it is not so.
+One text finds both: contact= names the links whose origins do not accelerate, and contact.FOOT is the force on each, in the
+world's axes. Forces may pull here, and feet do not slip: that is for a simulator to decide. It is checked by two other texts. Their
+feet have no acceleration, and inverse dynamics with these forces from outside gives the torques back; exit status 1: it is
+not so.
 """
 import sys
 
@@ -22,20 +21,17 @@ class Stance:
     """A robot whose feet, links, are held in their places, not in their orientation."""
 
     def __init__(self, urdf, feet):
-        wanted = [f"{what}.{foot}" for what in ("jacobian", "djacobian") for foot in feet]
-        self.robot = rneagen.load(urdf, base="floating", frame="world-aligned", want=["qdd", "Minv", *wanted])
+        self.robot = rneagen.load(urdf, base="floating", contact=feet, frame="world-aligned",
+                                  want=["qdd", *(f"contact.{foot}" for foot in feet)])
+        self.free = rneagen.load(urdf, base="floating", want="qdd")
         self.motion = rneagen.load(urdf, base="floating", want=[f"{what}.{foot}" for what in ("accel", "twist") for foot in feet])
         self.inverse = rneagen.load(urdf, base="floating", fext=feet, fext_frame="world")
         self.feet = len(feet)
 
     def accelerate(self, q, qd, tau):
         """qdd, and the ground's force on each foot in the world's axes, (..., feet, 3), N."""
-        qdd, Minv, *more = self.robot(q, qd, tau)
-        J = np.concatenate([x[..., :3, :] for x in more[:self.feet]], -2)
-        drift = np.concatenate([x[..., :3] for x in more[self.feet:]], -1)
-        back = Minv @ J.swapaxes(-1, -2)
-        force = -np.linalg.solve(J @ back, J @ qdd[..., None] + drift[..., None])
-        return qdd + (back @ force)[..., 0], force.reshape(*q.shape[:-1], self.feet, 3)
+        qdd, *forces = self.robot(q, qd, tau)
+        return qdd, np.stack(forces, -2)
 
     def feet_acceleration(self, q, qd, qdd):
         """Of each foot, (..., feet, 3), m/s^2, in its axes, by the tour out from the base: a + w x v of its spatial acceleration
@@ -56,7 +52,7 @@ def main(urdf, *feet):
     tau[:, :6] = 0  # nothing drives the base
     qdd, force = stance.accelerate(q, qd, tau)
     error = np.linalg.norm(stance.torques(q, qd, qdd, force) - tau, axis=-1) / np.linalg.norm(tau, axis=-1)
-    moves, moved = (np.linalg.norm(stance.feet_acceleration(q, qd, x), axis=-1) for x in (qdd, stance.robot(q, qd, tau)[0]))
+    moves, moved = (np.linalg.norm(stance.feet_acceleration(q, qd, x), axis=-1) for x in (qdd, stance.free(q, qd, tau)))
     rest = (moves / moved).max()
     print(f"{stance.robot.name}, {len(feet)} feet, {SAMPLES} states: of its acceleration without ground a foot keeps {rest:.1e} "
           f"at most; inverse dynamics gives the torques back to within {error.max():.1e}")

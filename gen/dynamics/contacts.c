@@ -1,4 +1,4 @@
-/* Links that stand. Their forces f make them so (Featherstone 2008, section 8.3; Todorov 2014, section II):
+/* Links that stand. Their forces f make them so (Featherstone 2008, section 8.3):
 
        M qdd - J' f = tau - bias,   J qdd + dJ/dt qd = 0
 
@@ -142,9 +142,10 @@ static void reduce_by_factors(struct forward *x)
 		x->inverse[x->M.row[i]] = x->M.inverse[i];
 	for (int i = x->M.n; i-- > 0 && J;)
 		add_row(x, x->M.row[i]);
+	b->d->failed |= !J;
 }
 
-/* Unit forces on a contact, in its body's frame and about that's origin. */
+/* Unit forces on a contact, in its body's frame and about that body's origin. */
 static void begin_units(struct forward *x, const struct contact *c)
 {
 	struct contact alone = *c;
@@ -311,7 +312,7 @@ static int free_row(const struct tree *t, const struct contact *c, unsigned char
 	for (int i = t->nv; i-- > 0;)
 		if (!taken[i])
 			return i;
-	return -1; /* there are no more contacts' rows than coordinates, unless forces are no numbers */
+	return -1; /* more rows than coordinates are refused before (singular.c) */
 }
 
 void contacts_hand_on(struct forward *x)

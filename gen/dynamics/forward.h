@@ -144,7 +144,7 @@ int forward_loops(struct loops *x, const struct tree *t, int dense, int is_in_pl
 /* Does the loop over column j of nv read row i? */
 int loops_read(const struct loops *x, int nv, int i, int j);
 
-/* M y = rhs in place, by rows of qd; with contacts also J y, and what they pull less (contacts.h). */
+/* M y = rhs in place, by rows of qd; with contacts also J y, and what pulls the other way (contacts_solve). */
 void forward_solve(const struct forward *x, struct ref *rhs);
 
 #endif

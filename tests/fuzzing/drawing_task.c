@@ -187,6 +187,36 @@ static void draw_push(struct drawing *g)
 		drawing_line(g, SCENE_FEXT_FRAME, DICE_WORD(g->d, "link", "world"));
 }
 
+/* Rows of qd on a link's chain, followers' not counted. */
+static int chain_rows(const struct drawing *g, const char *link)
+{
+	int rows = 0, i = 0;
+
+	while (strcmp(g->r->links[i].name, link))
+		i++;
+	for (int k = g->tree.links[i].body; k >= 0; k = g->tree.bodies[k].parent)
+		rows += g->tree.bodies[k].follower ? 0 : joint_nv(g->tree.bodies[k].type);
+	return rows;
+}
+
+/* A link that stands. Its chain may turn about alike axes, and it is refused. */
+static void draw_contact(struct drawing *g)
+{
+	const char *link = draw_carried(g);
+	int rows = link && g->is_forward ? chain_rows(g, link) : 0, is_weld = rows >= 6 && dice_happen(g->d, 2);
+	struct text force = drawing_text(g), freed = drawing_text(g);
+
+	if (rows < 3 || !drawing_is_new(g, "", "contact"))
+		return;
+	text_printf(&force, "%s.%s", is_weld ? "weld" : "contact", link);
+	text_printf(&freed, "accel.%s", link);
+	drawing_line(g, is_weld ? SCENE_WELD : SCENE_CONTACT, link);
+	if (dice_happen(g->d, 2))
+		drawing_line(g, draw_use(g), text_string(&force));
+	if (dice_happen(g->d, 4))
+		drawing_line(g, SCENE_FREE, text_string(&freed));
+}
+
 /* Of what no other line folds. */
 static void draw_range(struct drawing *g)
 {
@@ -226,7 +256,7 @@ void drawing_task(struct drawing *g)
 	}
 	for (size_t n = dice_below(g->d, 5); n > 0; n--) {
 		static void (*const draws[])(struct drawing *) = {draw_want, draw_fold, draw_free, draw_want,
-			draw_push, draw_own_terms, draw_constants, draw_want};
+			draw_push, draw_own_terms, draw_constants, draw_want, draw_contact};
 
 		draws[dice_below(g->d, sizeof draws / sizeof *draws)](g);
 	}

@@ -32,6 +32,20 @@ static const struct refusal {
 	{"panda", "want pose.panda_hand\nframe base\n", "'base'"},
 	{"panda", "want pose.panda_hand\npose euler\n", "'euler'"},
 	{"panda", "want jacobain.panda_hand\n", "did you mean 'jacobian"},
+	/* links that stand */
+	{"hyq", "contact lf_foot\n", "take --want qdd"},
+	{"hyq", "contact lf_fot\nwant qdd\n", "did you mean 'lf_foot'?"},
+	{"hyq", "contact lf_foot\nweld lf_foot\nwant qdd\n", "'lf_foot' stands already"},
+	{"hyq", "want qdd,contact.lf_foot\n", "'lf_foot' does not stand in this scene: --contact lf_foot"},
+	{"hyq", "contact lf_foot\nwant qdd,weld.lf_foot\n", "want contact.lf_foot"},
+	{"hyq", "contact lf_foot\nwant qdd,Minv\n", "'Minv' is of the robot that nothing holds"},
+	{"hyq", "contact lf_foot\nwant qdd,qdd_bound\n", "'qdd_bound'"},
+	{"hyq", "contact lf_foot\nwant qdd\nframe world\n", "world-aligned"},
+	{"hyq", "contact lf_foot\nwant qdd,dqdd_dq\nderivatives recursion\n", "forward"},
+	{"hyq", "contact lf_foot\nwant qdd\nfree accel.rf_foot\n", "'rf_foot' does not stand"},
+	{"hyq", "weld lf_foot\nwant qdd\n", "'lf_foot' cannot stand so in any state"}, /* a leg on the ground has three joints */
+	{"panda", "contact panda_hand,panda_link7,panda_link6\nwant qdd\n", "hold it already"},
+	{"panda", "contact panda_link0\nwant qdd\n", "'panda_link0' does not move"},
 };
 enum { COUNT = sizeof REFUSALS / sizeof *REFUSALS };
 

@@ -27,7 +27,7 @@ static const struct refusal {
 	{"want kinetc", "scene line 1, want: 'kinetc' is not known; did you mean 'kinetic'?"},
 	{"want zzzzzz", "scene line 1, want: 'zzzzzz' is not known"},
 	{"free zzzzzz",
-		"scene line 1, free: 'zzzzzz' is not known; there is gravity, mass.NAME, inertia.NAME, payload.NAME, offset.NAME, "
+		"scene line 1, free: 'zzzzzz' is not known; there is gravity, mass.NAME, inertia.NAME, payload.NAME, offset.NAME, accel.NAME, "
 		"armature, damping, friction, armature.NAME, damping.NAME, friction.NAME"},
 	{"free mass", "scene line 1, free: 'mass' needs a name: mass.NAME"},
 	{"want twist.", "scene line 1, want: 'twist' needs a name: twist.NAME"},
