@@ -220,12 +220,11 @@ void contacts_factor(struct forward *x, struct joint_inputs in)
 	struct dag *d = b->d;
 	int singular = -1;
 
-	if (b->dynamics != DYNAMICS_ARTICULATED) {
+	if (b->dynamics != DYNAMICS_ARTICULATED)
 		want_places(b, in);
-		dag_section(d, SECTION_CONTACTS, 0);
-		reduce_by_factors(x);
-	}
 	dag_section(d, SECTION_CONTACTS, 0);
+	if (b->dynamics != DYNAMICS_ARTICULATED && !d->failed)
+		reduce_by_factors(x);
 	if (d->failed || factor_make(&x->S, d, b->k->contact_rows, NULL, x->felt, &singular))
 		return;
 	d->failed = 1;
@@ -342,7 +341,7 @@ void contacts_hand_on(struct forward *x)
 
 void contacts_pivots(const struct forward *x, struct ref *pairs)
 {
-	for (int i = 0; i < x->S.n; i++) {
+	for (int i = 0; i < x->S.n && !x->b->d->failed; i++) {
 		pairs[2 * i] = x->S.D[i];
 		pairs[2 * i + 1] = x->felt[i * x->S.n + i];
 	}

@@ -149,7 +149,8 @@ START_TEST(every_request_of_a_scene)
 	static const char *const scenes[] = {
 		"lock jd=0.5\nround-constants 5\nrange q=-1,1\nrange qd=-1,1\nrange qdd=-1,1\ndrop-below 1e-3", everything,
 		"want qdd_bound", "params auto\nfree mass.d",
-		"free mass.b\nwant com,vcom,com_jacobian,momentum,momentum_matrix,dmomentum,coriolis,opspace.d,opspace_inv.d"};
+		"free mass.b\nwant com,vcom,com_jacobian,momentum,momentum_matrix,dmomentum,coriolis,opspace.d,opspace_inv.d",
+		"contact d\nfree accel.d\nwant qdd,contact.d,dqdd_dqd\nvjp contact.d\nrefine 1:same"};
 	struct rneagen_options o = rneagen_options_default();
 	long requests, step = _i < 6 || _i >= 8 ? 7 : 53;
 
@@ -169,7 +170,7 @@ int main(void)
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	tcase_set_timeout(c, 300);
 	tcase_add_loop_test(c, every_request, 0, DUMPS + RNEAGEN_DUMP_PARAMS);
-	tcase_add_loop_test(c, every_request_of_a_scene, 0, 10);
+	tcase_add_loop_test(c, every_request_of_a_scene, 0, 12);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }
