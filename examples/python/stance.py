@@ -4,9 +4,8 @@
 usage: stance.py ROBOT.urdf FOOT...
 
 One text finds both: contact= names the links whose origins do not accelerate, and contact.FOOT is the force on each, in the
-world's axes. Forces may pull here, and feet do not slip: that is for a simulator to decide. It is checked by two other texts. Their
-feet have no acceleration, and inverse dynamics with these forces from outside gives the torques back; exit status 1: it is
-not so.
+world's axes. Forces may pull here, and feet do not slip: that is for a simulator to decide. Two other texts check it: the feet
+have no acceleration, and inverse dynamics with these forces from outside gives the torques back; exit status 1: it is not so.
 """
 import sys
 

@@ -70,7 +70,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"                             com_jacobian, momentum, momentum_matrix, dmomentum; coriolis, opspace_inv.LINK,\n" \
 	"                             opspace.LINK;\n"                                                                \
 	"                             forward dynamics, with tau for an input: qdd, qdd_bound, Minv, dqdd_dq, dqdd_dqd,\n" \
-	"                             dqdd_dNAME, contact.LINK, weld.LINK\n"                                                                \
+	"                             dqdd_dNAME, contact.LINK, weld.LINK\n"                                          \
 	"  --jvp N1,N2,...            derivatives of any of these outputs, one after another, times the input jvp_v;\n" \
 	"                             --jvp vjp: second derivatives, those of --vjp times jvp_v\n"                    \
 	"  --vjp N1,N2,...            the input vjp_v times their derivatives; in both, inputs that --fold gives stand still,\n" \
@@ -99,7 +99,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --fext-frame link|world    in whose axes\n"                                                                 \
 	"  --contact L1,L2,...        forward dynamics in which the origins of these links stand still, held by forces that\n" \
 	"                             --want contact.LINK tells; --frame says in whose axes\n"                         \
-	"  --weld L1,L2,...           the links stand still as a whole, held by the wrenches of --want weld.LINK\n"                                                                 \
+	"  --weld L1,L2,...           the links stand still as a whole, held by the wrenches of --want weld.LINK\n" \
 	"  --armature FILE            rotor inertias: lines JOINT KG_M2; or --armature JOINT=KG_M2\n"                  \
 	"  --damping                  of the URDF\n"                                                                   \
 	"  --friction, --friction=WIDTH\n"                                                                             \

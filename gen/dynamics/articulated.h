@@ -29,8 +29,8 @@ int articulated_is_shorter(const struct tree *t);
 void articulated_begin(struct articulated *x, const struct tour *r);
 void articulated_leave(struct articulated *x, int body, int *singular);
 
-/* M x = b in place, by rows of qd, after the tour; with wrenches, by body, that take some of b, in its frame and about its origin:
-   NULL: there are none. */
+/* M x = b in place, by rows of qd, after the tour. What wrenches on the bodies make joints feel is taken off b: by body, in its
+   frame and about its origin; NULL: there are none. */
 void articulated_solve(const struct articulated *x, struct ref *b, const struct svec *f, const struct svec *n);
 
 /* The way back of that alone: what joints are left with, halfway through their D, by rows of qd. It goes with the rows of

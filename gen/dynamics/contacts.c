@@ -60,8 +60,8 @@ void contacts_entered(const struct tour *r, int body)
 }
 
 /* What forces, by row of contacts, pull at a body with, in its frame and about its origin. */
-static void wrench_of(const struct build *b, const struct frame *x, const struct contact *c, const struct ref *forces, struct svec *f,
-	struct svec *n)
+static void wrench_of(const struct build *b, const struct frame *x, const struct contact *c, const struct ref *forces,
+	struct svec *f, struct svec *n)
 {
 	const struct ref *of = forces + c->first;
 
@@ -300,8 +300,8 @@ void contacts_outputs(const struct forward *x)
 	}
 }
 
-/* A row of qd that is free, of the contact's chain, those nearest to it first, or else of any joint. The base's last: another
-   kernel may make these before the joints' (plan/grid/base_first.h), and a limb's forces are read by the part that has its rows. */
+/* A row of qd that is free, of the contact's chain, those nearest to it first, or else of any joint: the part that reads the
+   force has these rows. The base's come last: a kernel may write these before the joints' (plan/grid/base_first.h). */
 static int free_row(const struct tree *t, const struct contact *c, unsigned char *taken)
 {
 	for (int k = c->body; k > 0; k = t->bodies[k].parent)

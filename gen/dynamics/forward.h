@@ -73,8 +73,8 @@ struct ref *contacts_join(const struct build *b, struct ref *torques);
 void contacts_begin(struct forward *x);
 void contacts_left(struct forward *x, int body);
 
-/* The factors of that, when those of M are made, or bodies are articulated. d->failed is set when memory runs out, or with d->singular where
-   contacts hold what is held already. */
+/* The factors of that, when those of M are made, or bodies are articulated. d->failed is set when memory runs out, or, with
+   d->singular, where contacts hold what is held already. */
 void contacts_factor(struct forward *x, struct joint_inputs in);
 
 /* M x + J' n = b, J x = c, in place; of qdd's own equations n is what pulls the other way. */

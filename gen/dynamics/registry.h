@@ -67,8 +67,9 @@ int algorithm_build_looped(struct dag *d, const struct tree *t, const struct req
    M^-1 is to be taken of; of qdd the forces on what stands. */
 enum handed { HANDED_NOTHING, HANDED_FOUND, HANDED_ALL, HANDED_FORCES };
 
-/* The DAG of accelerations with contacts, or of a product of accelerations, once more, the only output, without refinement: for kernels that go on from what the one
-   before has written. What is handed on is an output of its own before those that read it there. */
+/* The DAG of a product of accelerations, or of accelerations with contacts, once more, the only output, without refinement: for
+   kernels that go on from what the one before has written. What is handed on is an output of its own before those that read it
+   there. */
 void algorithm_build_handed(struct dag *d, const struct tree *t, const struct request *k, enum handed handed);
 
 /* The same, with gradients of the torques in loops over the coordinates beyond each body: for long chains. */

@@ -180,8 +180,8 @@ static const struct refused {
 	{"root\n lock \"elbow=1 # c", "here: scene line 1, root: needs a value"},
 	{"\n lock \"elbow=1 # c", "here: scene line 2, lock: a value that begins with a quote must end with one: \"elbow=1 # c"},
 	{"free qd:batch",
-		"here: scene line 1, free: 'qd' is not known; there is gravity, mass.NAME, inertia.NAME, payload.NAME, offset.NAME, accel.NAME, "
-		"armature, damping, friction, armature.NAME, damping.NAME, friction.NAME"},
+		"here: scene line 1, free: 'qd' is not known; there is gravity, mass.NAME, inertia.NAME, payload.NAME, offset.NAME, "
+		"accel.NAME, armature, damping, friction, armature.NAME, damping.NAME, friction.NAME"},
 	{"free :batch", "here: scene line 1, free: takes NAME, NAME:sample or NAME:batch, not ':batch'"},
 	{"free gravity,:batch", "here: scene line 1, free: takes NAME, NAME:sample or NAME:batch, not ':batch'"},
 	{"free gravity,,mass.hand", "here: scene line 1, free: 'gravity,,mass.hand' has an empty name"},

@@ -4,8 +4,9 @@
 #include "plan/grid/hands/turns.h"
 #include "plan/grid/joined.h"
 
-/* Values at once of the whole, in f64 (in f32 nothing serves that holds so little), beyond which there are two kernels, and what share of them a part may have. H200, ps for
-   each of a million samples, one kernel and two, in aos as well, and in brackets values of the whole and of the fullest part:
+/* Values at once of the whole beyond which there are two kernels, and what share of them a part may have; measured in f64, since
+   in f32 no whole that is divided holds so little. H200, ps for each of a million samples, one kernel and two, in aos as well, and
+   in brackets values of the whole and of the fullest part:
    hyq              310 and 572, 328 and 970 (144, 138)
    panda            186 and 318, 198 and 397 (114, 106)
    allegro_right    519 and 649, 526 and 1070 (204, 137)
@@ -120,7 +121,7 @@ static int make(struct part *p, const struct dag *d, int number, const char *wha
 static int find_felt(struct hands *h, const struct dag *base, const struct parts_of *x, struct arena *a)
 {
 	*h = (struct hands){0};
-	return operations_of(base) < LONG || hands_find_felt(h, base, x, a);
+	return operations_of(base) < LONG || !base_is_free(x->tree) || hands_find_felt(h, base, x, a);
 }
 
 /* The side's own kernel makes at least what the rest does without. */
@@ -212,5 +213,6 @@ int base_first_make(struct part **parts, int *count, const struct parts_of *x, s
 
 int base_first_is(const struct part *parts, int count, const struct request *k)
 {
-	return count && parts[0].is_before && k->is_forward && !k->contact_count && k->wants[0].kind == WANT_QDD; /* wants that are stored come first */
+	/* wants that are stored come first */
+	return count && parts[0].is_before && k->is_forward && !k->contact_count && k->wants[0].kind == WANT_QDD;
 }

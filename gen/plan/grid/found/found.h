@@ -1,6 +1,7 @@
 #ifndef RNEAGEN_FOUND_H
 #define RNEAGEN_FOUND_H
-/* A product of accelerations, or these with contacts, by kernels one after the other, each in parts where limbs share nothing (joined.h).
+/* A product of accelerations, or accelerations with contacts, by kernels one after the other, each in parts where limbs share
+   nothing (joined.h).
 
    A vjp: the first finds qdd and, of the weights w, mu = M^-1 w, which is the vjp by tau. The second takes both from rows of
    the vjp and makes the rest, the vjp of the torques at that qdd with -mu for its weights (dynamics/product.c). A jvp: the
