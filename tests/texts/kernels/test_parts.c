@@ -35,6 +35,7 @@ static const struct subject {
 	{"ur5", "want tau,dtau_dq,dtau_dqd,power,jvp\nfree payload.wrist_3_link\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2, 0},
 	{"iiwa14", "want qdd,Minv,dqdd_dq,dqdd_dqd\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, 3, 3, 0},
 	{"hyq", "want dqdd_dq,qdd,M\ndynamics articulated\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, 2, 2, 0},
+	{"hyq", "want qdd,dqdd_dq,dqdd_dqd\ncontact lf_foot\n", 1, RNEAGEN_F64, RNEAGEN_ACCURATE, AUTO, 10, 0},
 	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, RNEAGEN_F64, RNEAGEN_ACCURATE, AUTO, 5, 0},
 	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, RNEAGEN_F32, RNEAGEN_ACCURATE, AUTO, 4, 1},
 };
