@@ -278,6 +278,16 @@ struct kin_matrix kin_found(struct kin_case *c, const struct want *w, wide *cons
 /* What differences in quad precision may be off where the rate is zero. */
 static const wide DIFFERENCES = WIDE_C(1e-20);
 
+void kin_expect(struct kin_case *c, const char *what, int i, int j, wide found, wide want, wide limit)
+{
+	const wide off = wide_abs(found - want);
+
+	ck_assert_msg(off <= limit, "%s: %s, element %d,%d is %.17g, not %.17g; off by %.3g of %.3g; scene:\n%s", c->what, what, i, j,
+		(double)found, (double)want, (double)off, (double)limit, c->analysis.options.scene ? c->analysis.options.scene : "");
+	if (limit > 0 && (double)(off / limit) > c->worst)
+		c->worst = (double)(off / limit);
+}
+
 /* The quaternion of the other sign is the same rotation. */
 static void turn_sign(struct kin_matrix *m, const struct kin_matrix *to)
 {
@@ -301,14 +311,9 @@ static void compare_want(struct kin_case *c, const struct want *w, wide *const *
 	for (int i = 0; i < want.lines * want.cols; i++)
 		largest = wide_abs(want.x[i]) > largest ? wide_abs(want.x[i]) : largest;
 	for (int i = 0; i < want.lines * want.cols; i++) {
-		const wide off = wide_abs(found.x[i] - want.x[i]),
-			   limit = noise * ((c->is_by_largest ? 0 : (wide)found.size[i]) + largest) + DIFFERENCES;
+		const wide limit = noise * ((c->is_by_largest ? 0 : (wide)found.size[i]) + largest) + DIFFERENCES;
 
-		ck_assert_msg(off <= limit, "%s: %s, element %d,%d is %.17g, not %.17g; off by %.3g of %.3g", c->what,
-			w->word, i / want.cols, i % want.cols, (double)found.x[i], (double)want.x[i], (double)off,
-			(double)(limit / noise));
-		if (limit > 0 && (double)(off / limit) > c->worst)
-			c->worst = (double)(off / limit);
+		kin_expect(c, w->word, i / want.cols, i % want.cols, found.x[i], want.x[i], limit);
 	}
 	kin_matrix_free(&found);
 	kin_matrix_free(&want);

@@ -77,6 +77,9 @@ struct kin_matrix kin_expected(struct kin_case *c, const struct want *w);
 /* The properties of coriolis, opspace_inv and opspace. Returns whether it is one of these, and M not too singular. */
 int kin_check(struct kin_case *c, const struct want *w, wide *const *out, double noise);
 
+/* One element, or row i where j is 0, off by at most `limit`; the worst of all is in c->worst. */
+void kin_expect(struct kin_case *c, const char *what, int i, int j, wide found, wide want, wide limit);
+
 /* All wants against the reference: off by at most `noise` of the magnitudes summed and of the largest element. Returns how many
    were compared. */
 int kin_compare(struct kin_case *c, double noise);

@@ -17,12 +17,7 @@ static void rows_of(const struct kin_case *c, int *row)
 
 static void expect(struct kin_case *c, const char *what, int i, int j, wide found, wide want, wide size, double noise)
 {
-	const wide limit = noise * size + WIDE_C(1e-20);
-
-	ck_assert_msg(wide_abs(found - want) <= limit, "%s: %s, element %d,%d is %.17g, not %.17g; off by %.3g of %.3g",
-		c->what, what, i, j, (double)found, (double)want, (double)wide_abs(found - want), (double)size);
-	if ((double)(wide_abs(found - want) / limit) > c->worst)
-		c->worst = (double)(wide_abs(found - want) / limit);
+	kin_expect(c, what, i, j, found, want, noise * size + WIDE_C(1e-20));
 }
 
 /* dM/dt = C + C', C qd = ID(q, qd, 0) - ID(q, 0, 0). */
