@@ -174,8 +174,7 @@ static int found_limbs(struct generation *g)
 	struct analysis *a = &g->analysis;
 	const struct parts_of x = {.whole = &g->functions[0], .tree = &a->tree, .request = &a->request, .options = &a->options};
 
-	return a->request.contact_count || !found_is(g->parts, g->part_count, &a->request) ||
-		found_limbs_make(&g->rounds, g->parts, g->part_count, &x, a->arena);
+	return !found_is(g->parts, g->part_count, &a->request) || found_limbs_make(&g->rounds, g->parts, g->part_count, &x, a->arena);
 }
 
 static enum rneagen_code limbs_make_all(struct generation *g)

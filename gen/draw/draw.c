@@ -96,8 +96,10 @@ static struct draw_range freed_range(const struct freed *f)
 		length = hypot(length, (double)f->nominal[i]);
 	if (f->kind == FREED_GRAVITY)
 		return around(length > 0 ? length : 9.81);
-	if (f->kind == FREED_OFFSET || f->kind == FREED_ACCEL)
-		return around(f->kind == FREED_OFFSET ? 0.1 : 1);
+	if (f->kind == FREED_OFFSET)
+		return around(0.1);
+	if (f->kind == FREED_ACCEL)
+		return around(1);
 	r.kind = f->kind == FREED_MASS ? DRAW_NUMBER : DRAW_BODY;
 	return r;
 }

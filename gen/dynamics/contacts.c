@@ -2,9 +2,9 @@
 
        M qdd - J' f = tau - bias,   J qdd + dJ/dt qd = 0
 
-   With M = L' D L, L' Y = J' and S = J M^-1 J' = Y' D^-1 Y, any right side b, c of M x + J' n = b, J x = c is solved by
-   L' y = b;  S n = Y' D^-1 y - c;  L x = D^-1 (y - Y n), and Y has no rows but those of a link's chain. Here n is -f, x is
-   what qdd lacks, and c is -a, the links' acceleration so far. The same solves for derivatives, of both at once. */
+   With M = L' D L, L' Y = J' and S = J M^-1 J' = Y' D^-1 Y, any right side b, c of M x - J' f = b, J x = c is solved by
+   L' y = b;  S n = Y' D^-1 y - c, f = -n;  L x = D^-1 (y - Y n), and Y has no rows but those of a link's chain. Here x is what
+   qdd lacks, and c is -a, the links' acceleration so far. The same solves for derivatives, of both at once. */
 #include "dynamics/want.h"
 #include <string.h>
 
@@ -21,14 +21,6 @@ static struct svec in_frame(const struct build *b, const struct frame *x, const 
 	struct smat R = smat_const(d, &c->X.R);
 
 	return b->k->frame == FRAME_LINK ? smat_mul_transposed(d, &R, u) : smat_mul(d, &x->R0, u);
-}
-
-static struct svec out_of_frame(const struct build *b, const struct frame *x, const struct contact *c, struct svec u)
-{
-	struct dag *d = b->d;
-	struct smat R = smat_const(d, &c->X.R);
-
-	return b->k->frame == FRAME_LINK ? smat_mul(d, &R, u) : smat_mul_transposed(d, &x->R0, u);
 }
 
 /* a + dw x p + w x (w x p) of its origin p, and dw, less what they are to be. */
@@ -64,11 +56,12 @@ static void wrench_of(const struct build *b, const struct frame *x, const struct
 	struct svec *f, struct svec *n)
 {
 	const struct ref *of = forces + c->first;
+	int in_world = b->k->frame != FRAME_LINK;
 
-	*f = out_of_frame(b, x, c, (struct svec){{of[0], of[1], of[2]}});
+	*f = want_turn(b->d, x, &c->X, in_world, (struct svec){{of[0], of[1], of[2]}});
 	*n = svec_cross(b->d, svec_const(b->d, c->X.p), *f);
 	if (c->rows == 6)
-		*n = svec_add(b->d, *n, out_of_frame(b, x, c, (struct svec){{of[3], of[4], of[5]}}));
+		*n = svec_add(b->d, *n, want_turn(b->d, x, &c->X, in_world, (struct svec){{of[3], of[4], of[5]}}));
 }
 
 void contacts_pull(const struct tour *r, int body)
@@ -109,33 +102,28 @@ struct ref *contacts_join(const struct build *b, struct ref *torques)
 /* What row i of qd adds to S. */
 static void add_row(const struct forward *x, int i)
 {
-	struct dag *d = x->b->d;
-	int nv = x->b->t->nv, rows = x->b->k->contact_rows;
+	int rows = x->b->k->contact_rows;
 
-	for (int c = 0; c < rows; c++) {
-		struct ref over = dag_mul(d, x->Y[c * nv + i], x->inverse[i]);
-
-		for (int e = 0; e <= c; e++)
-			x->felt[c * rows + e] = dag_add(d, x->felt[c * rows + e], dag_mul(d, over, x->Y[e * nv + i]));
-	}
+	factor_add_felt(x->b->d, rows, x->Y + i * rows, x->inverse[i], x->felt);
 }
 
 /* By factors of M, L' Y = J', when these are made. */
 static void reduce_by_factors(struct forward *x)
 {
 	const struct build *b = x->b;
-	size_t nv = (size_t)b->t->nv;
-	struct ref *J = arena_alloc(b->d->arena, 6 * nv, sizeof *J);
+	int nv = b->t->nv;
+	struct ref *J = arena_alloc(b->d->arena, 6 * (size_t)nv, sizeof *J);
 
 	for (int i = 0; i < b->k->contact_count && J; i++) {
 		const struct contact *c = &b->k->contacts[i];
 		const struct want of = {.body = c->body, .X = c->X};
 
-		memset(J, 0, 6 * nv * sizeof *J);
+		memset(J, 0, 6 * (size_t)nv * sizeof *J);
 		jacobian_columns(&b->places, &of, J);
 		for (int row = 0; row < c->rows; row++) {
-			factor_reduce(&x->M, J + (size_t)row * nv);
-			memcpy(x->Y + (size_t)(c->first + row) * nv, J + (size_t)row * nv, nv * sizeof *J);
+			factor_reduce(&x->M, J + row * nv);
+			for (int k = 0; k < nv; k++)
+				x->Y[k * b->k->contact_rows + c->first + row] = J[row * nv + k];
 		}
 	}
 	for (int i = 0; i < x->M.n; i++)
@@ -169,21 +157,34 @@ static int carries(const struct tree *t, int body, const struct contact *c)
 	return k == body;
 }
 
+/* The part that the body's joint takes of unit forces on a contact. */
+static void reduce_units(struct forward *x, const struct contact *c, int body)
+{
+	const struct body *k = &x->b->t->bodies[body];
+	int rows = x->b->k->contact_rows;
+
+	for (int row = c->first; row < c->first + c->rows; row++) {
+		struct ref y[6] = {{0}};
+
+		articulated_reduce(&x->bodies, body, &x->unit_f[row], &x->unit_n[row], y);
+		for (int i = 0; i < joint_nv(k->type); i++)
+			x->Y[(k->iv + i) * rows + row] = y[i];
+	}
+}
+
 void contacts_left(struct forward *x, int body)
 {
 	const struct tree *t = x->b->t;
 	const struct request *k = x->b->k;
-	int iv = t->bodies[body].iv, rows = joint_nv(t->bodies[body].type);
+	int iv = t->bodies[body].iv;
 
 	for (int i = 0; i < k->contact_count; i++) {
-		const struct contact *c = &k->contacts[i];
-
-		if (c->body == body)
-			begin_units(x, c);
-		for (int row = c->first; row < c->first + c->rows && carries(t, body, c); row++)
-			articulated_reduce(&x->bodies, body, &x->unit_f[row], &x->unit_n[row], x->Y + row * t->nv + iv);
+		if (k->contacts[i].body == body)
+			begin_units(x, &k->contacts[i]);
+		if (carries(t, body, &k->contacts[i]))
+			reduce_units(x, &k->contacts[i], body);
 	}
-	for (int i = iv + rows; i-- > iv && !x->b->d->failed;) {
+	for (int i = iv + joint_nv(t->bodies[body].type); i-- > iv && !x->b->d->failed;) {
 		x->inverse[i] = x->bodies.bodies[body].D.inverse[i - iv];
 		add_row(x, i);
 	}
@@ -206,11 +207,11 @@ void contacts_begin(struct forward *x)
 static struct ref over(const struct forward *x, const struct ref *y, int row)
 {
 	struct dag *d = x->b->d;
-	const struct ref *Y = x->Y + row * x->b->t->nv;
+	int rows = x->b->k->contact_rows;
 	struct ref sum = {0};
 
 	for (int i = x->b->t->nv; i-- > 0;)
-		sum = dag_add(d, sum, dag_mul(d, dag_mul(d, y[i], x->inverse[i]), Y[i]));
+		sum = dag_add(d, sum, dag_mul(d, dag_mul(d, y[i], x->inverse[i]), x->Y[i * rows + row]));
 	return sum;
 }
 
@@ -240,7 +241,7 @@ static void expand_by_factors(const struct forward *x, struct ref *y, const stru
 
 	for (int i = 0; i < nv; i++)
 		for (int c = 0; c < x->S.n; c++)
-			y[i] = dag_sub(d, y[i], dag_mul(d, x->Y[c * nv + i], n[c]));
+			y[i] = dag_sub(d, y[i], dag_mul(d, x->Y[i * x->S.n + c], n[c]));
 	factor_expand(&x->M, y);
 }
 
@@ -283,7 +284,8 @@ void contacts_solve(const struct forward *x, struct ref *rhs)
 		n[c] = dag_sub(d, over(x, y, c), rhs[nv + c]);
 	factor_solve(&x->S, n);
 	(by_bodies ? expand_by_bodies : expand_by_factors)(x, rhs, n);
-	memcpy(rhs + nv, n, (size_t)rows * sizeof *n);
+	for (int c = 0; c < rows; c++)
+		rhs[nv + c] = dag_neg(d, n[c]);
 }
 
 /* ---- what is wanted ---- */

@@ -129,8 +129,8 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	for (int i = nv; i < found && !d->failed; i++)
 		x->qdd[i] = dag_neg(d, b->accelerated[i - nv]);
 	forward_solve(x, x->qdd);
-	for (int i = 0; i < found && !d->failed; i++)
-		x->qdd[i] = i < nv ? dag_add(d, x->tour.eased[i], x->qdd[i]) : dag_neg(d, x->qdd[i]);
+	for (int i = 0; i < nv && !d->failed; i++)
+		x->qdd[i] = dag_add(d, x->tour.eased[i], x->qdd[i]);
 	if (request_wants(b->k, WANT_QDD_BOUND))
 		forward_part(d, x->qdd, nv);
 	tag_rows(x, "qdd", x->qdd);

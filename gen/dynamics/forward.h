@@ -32,7 +32,7 @@ struct forward {
 	struct recursion mass;
 	struct articulated bodies;
 	struct factor M;
-	/* of contacts (contacts.c), by row of theirs and of qd: L' Y = J'; 1/D; J M^-1 J', and its factors; unit forces on their
+	/* of contacts (contacts.c), by row of qd and of theirs: L' Y = J'; 1/D; J M^-1 J', and its factors; unit forces on their
 	   way back */
 	struct ref *Y, *inverse, *felt;
 	struct factor S;
@@ -77,7 +77,7 @@ void contacts_left(struct forward *x, int body);
    d->singular, where contacts hold what is held already. */
 void contacts_factor(struct forward *x, struct joint_inputs in);
 
-/* M x + J' n = b, J x = c, in place; of qdd's own equations n is what pulls the other way. */
+/* M x - J' f = b, J x = c, in place. */
 void contacts_solve(const struct forward *x, struct ref *rhs);
 
 /* Write the forces that are wanted. */
@@ -144,7 +144,7 @@ int forward_loops(struct loops *x, const struct tree *t, int dense, int is_in_pl
 /* Does the loop over column j of nv read row i? */
 int loops_read(const struct loops *x, int nv, int i, int j);
 
-/* M y = rhs in place, by rows of qd; with contacts also J y, and what pulls the other way (contacts_solve). */
+/* M y = rhs in place, by rows of qd; with contacts as contacts_solve. */
 void forward_solve(const struct forward *x, struct ref *rhs);
 
 #endif

@@ -89,15 +89,8 @@ static void reduce_by_bodies(struct opspace *x)
 
 static void multiply(struct opspace *x)
 {
-	struct dag *d = x->b->d;
-
 	for (int i = 0; i < x->rows; i++)
-		for (int c = 0; c < 6; c++) {
-			struct ref over = dag_mul(d, x->Y[i][c], x->inverse[i]);
-
-			for (int e = 0; e <= c; e++)
-				x->X[6 * c + e] = dag_add(d, x->X[6 * c + e], dag_mul(d, over, x->Y[i][e]));
-		}
+		factor_add_felt(x->b->d, 6, x->Y[i], x->inverse[i], x->X);
 	for (int c = 0; c < 6; c++)
 		for (int e = 0; e < c; e++)
 			x->X[6 * e + c] = x->X[6 * c + e];

@@ -175,8 +175,6 @@ static void vary_found(struct sweep *s, const struct ref *dtau)
 	for (int i = 0; i < nv && s->b->handed == HANDED_ALL && !s->d->failed; i++)
 		x[i] = want_hand_on(s->b, i, x[i], "rhs");
 	forward_solve(s->b->forward, x);
-	for (int i = nv; i < found && !s->d->failed; i++)
-		x[i] = dag_neg(s->d, x[i]);
 	memcpy(s->along[VARIED_QDD], x, (size_t)found * sizeof *x);
 }
 
@@ -244,8 +242,6 @@ static int weigh_found(struct sweep *s)
 	forward_solve(s->b->forward, mu);
 	for (int i = 0; i < nv && !d->failed; i++)
 		mu[i] = dag_neg(d, want_hand_on(s->b, 2 * nv + i, mu[i], "mu"));
-	for (int i = nv; i < found && !d->failed; i++)
-		mu[i] = dag_neg(d, mu[i]);
 	memcpy(s->roots + s->count, s->b->torques, (size_t)found * sizeof *mu);
 	return s->count + found;
 }

@@ -4,14 +4,6 @@
 #include "dynamics/want.h"
 #include "dynamics/forward.h"
 
-static void entered(const struct tour *r, int body)
-{
-	want_free(r, body);
-	want_pull(r, body);
-	contacts_entered(r, body);
-	contacts_pull(r, body);
-}
-
 /* tau - ID(q, qd, qdd) in place of qdd, and less the accelerations of contacts in place of their forces, rounded to the text's
    numbers. */
 static void residual(struct forward *x, struct build *b, struct joint_inputs in, struct ref *qdd)
@@ -28,7 +20,7 @@ static void residual(struct forward *x, struct build *b, struct joint_inputs in,
 	r = want_tour(b, in);
 	r.comes_back = 1;
 	r.world = want_world;
-	r.entered = entered;
+	r.entered = want_bear;
 	r.own_terms = own_terms;
 	tour_run(&r);
 	for (int i = 0; i < found && !d->failed; i++)
@@ -39,7 +31,7 @@ static void residual(struct forward *x, struct build *b, struct joint_inputs in,
 void refine_step(struct forward *x, struct joint_inputs in)
 {
 	struct dag *d = x->b->d;
-	int nv = x->b->t->nv, found = contacts_found(x->b);
+	int found = contacts_found(x->b);
 	struct build wide = *x->b;
 	struct ref *more = arena_alloc(d->arena, (size_t)found, sizeof *more);
 
@@ -56,5 +48,5 @@ void refine_step(struct forward *x, struct joint_inputs in)
 	dag_section(d, SECTION_REFINED, 0);
 	forward_solve(x, more);
 	for (int i = 0; i < found && !d->failed; i++)
-		x->qdd[i] = i < nv ? dag_add(d, x->qdd[i], more[i]) : dag_sub(d, x->qdd[i], more[i]);
+		x->qdd[i] = dag_add(d, x->qdd[i], more[i]);
 }

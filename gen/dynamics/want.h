@@ -72,6 +72,12 @@ void want_rate(const struct build *b, const struct tour *r);
 /* The wrenches from outside on a body that has been entered; where they are in axes of the world, the body's orientation. */
 void want_pull(const struct tour *r, int body);
 
+/* Out of the axes of X on a body, or of the world, into the body's. */
+struct svec want_turn(struct dag *d, const struct frame *x, const struct placement *X, int in_world, struct svec u);
+
+/* All that pulls at it: those, and contacts with b->forces; and how contacts on it accelerate. */
+void want_bear(const struct tour *r, int body);
+
 /* The acceleration of its origin with gravity, where contacts are on it or a scene asks for accelerations. */
 void want_free(const struct tour *r, int body);
 

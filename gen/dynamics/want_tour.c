@@ -63,16 +63,22 @@ static void output_links(const struct tour *r, int body)
 	}
 }
 
+struct svec want_turn(struct dag *d, const struct frame *x, const struct placement *X, int in_world, struct svec u)
+{
+	struct smat R = smat_const(d, &X->R);
+
+	return in_world ? smat_mul_transposed(d, &x->R0, u) : smat_mul(d, &R, u);
+}
+
 /* A wrench (f, n) at a link's origin takes R f and R n + p x R f off what the body's joint must bear. */
 static void pull(const struct tour *r, const struct push *p, int argument, struct frame *x)
 {
 	struct dag *d = r->d;
 	const struct build *b = r->context;
 	struct svec f = svec_input(d, argument, 0), n = svec_input(d, argument, 3);
-	struct smat R = smat_const(d, &p->X.R);
 
-	f = b->k->in_world ? smat_mul_transposed(d, &x->R0, f) : smat_mul(d, &R, f);
-	n = b->k->in_world ? smat_mul_transposed(d, &x->R0, n) : smat_mul(d, &R, n);
+	f = want_turn(d, x, &p->X, b->k->in_world, f);
+	n = want_turn(d, x, &p->X, b->k->in_world, n);
 	x->f = svec_sub(d, x->f, f);
 	x->n = svec_sub(d, x->n, svec_add(d, n, svec_cross(d, svec_const(d, p->X.p), f)));
 }
@@ -99,6 +105,14 @@ void want_free(const struct tour *r, int body)
 		r->frames[body + 1].free_a = tour_acceleration(r, body, parent->free_a);
 }
 
+void want_bear(const struct tour *r, int body)
+{
+	want_free(r, body);
+	want_pull(r, body);
+	contacts_entered(r, body);
+	contacts_pull(r, body);
+}
+
 void want_entered(const struct tour *r, int body)
 {
 	struct build *b = r->context;
@@ -107,10 +121,7 @@ void want_entered(const struct tour *r, int body)
 	struct parameters known = rigid_body_parameters(r->d, &k->inertia);
 	const struct parameters *p = b->parameters[body] ? b->parameters[body] : &known;
 
-	want_free(r, body);
-	want_pull(r, body);
-	contacts_entered(r, body);
-	contacts_pull(r, body);
+	want_bear(r, body);
 	if (request_wants(b->k, WANT_KINETIC))
 		b->kinetic = dag_add(r->d, b->kinetic, rigid_body_kinetic(r->d, p, &x->motion));
 	output_links(r, body);

@@ -70,6 +70,16 @@ void factor_expand(const struct factor *f, struct ref *x)
 			x[f->row[i]] = minus_product(f->d, x[f->row[i]], f->L[i * f->n + j], x[f->row[j]]);
 }
 
+void factor_add_felt(struct dag *d, int n, const struct ref *y, struct ref inverse, struct ref *X)
+{
+	for (int c = 0; c < n; c++) {
+		struct ref over = dag_mul(d, y[c], inverse);
+
+		for (int e = 0; e <= c; e++)
+			X[c * n + e] = dag_add(d, X[c * n + e], dag_mul(d, over, y[e]));
+	}
+}
+
 /* L X = D^-1 L^-T, whose right side is 0 below its diagonal, D^-1: column by column, with what is above it by symmetry. */
 void factor_inverse(const struct factor *f, struct ref *X)
 {

@@ -26,6 +26,9 @@ void factor_reduce(const struct factor *f, struct ref *x);
 /* The second half: D L x = y in place. */
 void factor_expand(const struct factor *f, struct ref *x);
 
+/* What row y of a Y with L^T Y = J^T, [n], adds to J M^-1 J^T = Y^T D^-1 Y: below and on the diagonal of X, [n][n]. */
+void factor_add_felt(struct dag *d, int n, const struct ref *y, struct ref inverse, struct ref *X);
+
 /* M^-1, [n][n], symmetric. */
 void factor_inverse(const struct factor *f, struct ref *X);
 

@@ -52,9 +52,9 @@ static struct rneagen_options options_of(const int *row, char *scene, size_t siz
 {
 	const struct subject *s = &SUBJECTS[row[ROBOT]];
 	struct rneagen_options o = rneagen_options_default();
-	int takes_factors = !strcmp(s->name, "mimic_chain") || strstr(s->scene, "contact ") || strstr(s->scene, "weld ");
+	int is_mimic = !strcmp(s->name, "mimic_chain");
 
-	snprintf(scene, size, "%s%s", s->scene, takes_factors && row[WAY] == 1 ? "" : WAYS[row[WAY]]);
+	snprintf(scene, size, "%s%s", s->scene, is_mimic && row[WAY] == 1 ? "" : WAYS[row[WAY]]);
 	o.scene = scene;
 	o.base = s->floating ? RNEAGEN_FLOATING : RNEAGEN_FIXED;
 	o.target = TARGETS[row[TARGET]];

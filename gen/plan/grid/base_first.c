@@ -5,8 +5,8 @@
 #include "plan/grid/joined.h"
 
 /* Values at once of the whole beyond which there are two kernels, and what share of them a part may have; measured in f64, since
-   in f32 no whole that is divided holds so little. H200, ps for each of a million samples, one kernel and two, in aos as well, and
-   in brackets values of the whole and of the fullest part:
+   in f32 no whole that is divided holds so little. H200, ps for each of a million samples, one kernel and two, in aos as well,
+   and in brackets values of the whole and of the fullest part:
    hyq              310 and 572, 328 and 970 (144, 138)
    panda            186 and 318, 198 and 397 (114, 106)
    allegro_right    519 and 649, 526 and 1070 (204, 137)

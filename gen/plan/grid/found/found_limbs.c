@@ -89,6 +89,8 @@ int found_limbs_make(struct part **rounds, const struct part *parts, int count, 
 	int done;
 
 	*rounds = NULL;
+	if (x->request->contact_count) /* the whole has limbs, and its forces no round of their own */
+		return 1;
 	arena_init(&spare, x->options->allocator);
 	done = made && found_rounds(dags, FOUND_ROUNDS, x, HANDED_FOUND, &spare) && build(made, dags, x, a);
 	if (done && start->warps && rest->warps) {
