@@ -99,12 +99,13 @@ struct ref *contacts_join(const struct build *b, struct ref *torques)
 
 /* ---- forces ---- */
 
-/* What row i of qd adds to S. */
-static void add_row(const struct forward *x, int i)
+/* Rows of joints that hang on the base never join S before it is factored (schur.h): they are those of most contacts. */
+static void join(const struct forward *x, int body)
 {
-	int rows = x->b->k->contact_rows;
+	const struct body *k = &x->b->t->bodies[body];
 
-	factor_add_felt(x->b->d, rows, x->Y + i * rows, x->inverse[i], x->felt);
+	for (int i = k->iv + joint_nv(k->type); i-- > k->iv && k->parent >= 0 && !k->follower;)
+		schur_join(x->S, i);
 }
 
 /* By factors of M, L' Y = J', when these are made. */
@@ -123,13 +124,13 @@ static void reduce_by_factors(struct forward *x)
 		for (int row = 0; row < c->rows; row++) {
 			factor_reduce(&x->M, J + row * nv);
 			for (int k = 0; k < nv; k++)
-				x->Y[k * b->k->contact_rows + c->first + row] = J[row * nv + k];
+				x->S->Y[k * x->S->n + c->first + row] = J[row * nv + k];
 		}
 	}
 	for (int i = 0; i < x->M.n; i++)
-		x->inverse[x->M.row[i]] = x->M.inverse[i];
-	for (int i = x->M.n; i-- > 0 && J;)
-		add_row(x, x->M.row[i]);
+		x->S->inverse[x->M.row[i]] = x->M.inverse[i];
+	for (int i = b->t->body_count; i-- > 0 && J;)
+		join(x, i);
 	b->d->failed |= !J;
 }
 
@@ -161,14 +162,13 @@ static int carries(const struct tree *t, int body, const struct contact *c)
 static void reduce_units(struct forward *x, const struct contact *c, int body)
 {
 	const struct body *k = &x->b->t->bodies[body];
-	int rows = x->b->k->contact_rows;
 
 	for (int row = c->first; row < c->first + c->rows; row++) {
 		struct ref y[6] = {{0}};
 
 		articulated_reduce(&x->bodies, body, &x->unit_f[row], &x->unit_n[row], y);
 		for (int i = 0; i < joint_nv(k->type); i++)
-			x->Y[(k->iv + i) * rows + row] = y[i];
+			x->S->Y[(k->iv + i) * x->S->n + row] = y[i];
 	}
 }
 
@@ -184,64 +184,52 @@ void contacts_left(struct forward *x, int body)
 		if (carries(t, body, &k->contacts[i]))
 			reduce_units(x, &k->contacts[i], body);
 	}
-	for (int i = iv + joint_nv(t->bodies[body].type); i-- > iv && !x->b->d->failed;) {
-		x->inverse[i] = x->bodies.bodies[body].D.inverse[i - iv];
-		add_row(x, i);
-	}
+	for (int i = iv; i < iv + joint_nv(t->bodies[body].type) && !x->b->d->failed; i++)
+		x->S->inverse[i] = x->bodies.bodies[body].D.inverse[i - iv];
+	if (!x->b->d->failed)
+		join(x, body);
 }
 
 void contacts_begin(struct forward *x)
 {
-	struct arena *a = x->b->d->arena;
-	size_t rows = (size_t)x->b->k->contact_rows, nv = (size_t)x->b->t->nv;
+	struct dag *d = x->b->d;
+	size_t rows = (size_t)x->b->k->contact_rows;
 
-	x->Y = arena_alloc(a, rows * nv, sizeof *x->Y);
-	x->inverse = arena_alloc(a, nv, sizeof *x->inverse);
-	x->felt = arena_alloc(a, rows * rows, sizeof *x->felt);
-	x->unit_f = arena_alloc(a, rows, sizeof *x->unit_f);
-	x->unit_n = arena_alloc(a, rows, sizeof *x->unit_n);
-	x->b->d->failed |= a->failed;
+	x->S = arena_alloc(d->arena, 1, sizeof *x->S);
+	x->unit_f = arena_alloc(d->arena, rows, sizeof *x->unit_f);
+	x->unit_n = arena_alloc(d->arena, rows, sizeof *x->unit_n);
+	d->failed |= d->arena->failed;
+	if (x->S)
+		schur_begin(x->S, d, (int)rows, x->b->t->nv);
 }
 
-/* The sum of y D^-1 Y, by rows of qd. */
-static struct ref over(const struct forward *x, const struct ref *y, int row)
+/* When it is first solved with: then what it is solved for is there before it, and leaves nothing of Y to wait. */
+static void factor(const struct forward *x)
 {
 	struct dag *d = x->b->d;
-	int rows = x->b->k->contact_rows;
-	struct ref sum = {0};
+	int singular = schur_factor(x->S);
 
-	for (int i = x->b->t->nv; i-- > 0;)
-		sum = dag_add(d, sum, dag_mul(d, dag_mul(d, y[i], x->inverse[i]), x->Y[i * rows + row]));
-	return sum;
+	if (singular < 0)
+		return;
+	d->failed = 1;
+	d->singular = contacts_singular(x->b->k, singular);
 }
 
 void contacts_factor(struct forward *x, struct joint_inputs in)
 {
 	struct build *b = x->b;
-	struct dag *d = b->d;
-	int singular = -1;
 
 	if (b->dynamics != DYNAMICS_ARTICULATED)
 		want_places(b, in);
-	dag_section(d, SECTION_CONTACTS, 0);
-	if (b->dynamics != DYNAMICS_ARTICULATED && !d->failed)
+	dag_section(b->d, SECTION_CONTACTS, 0);
+	if (b->dynamics != DYNAMICS_ARTICULATED && !b->d->failed)
 		reduce_by_factors(x);
-	if (d->failed || factor_make(&x->S, d, b->k->contact_rows, NULL, x->felt, &singular))
-		return;
-	d->failed = 1;
-	if (singular >= 0)
-		d->singular = contacts_singular(b->k, singular);
 }
 
 /* L x = D^-1 (y - Y n), in place of y. */
 static void expand_by_factors(const struct forward *x, struct ref *y, const struct ref *n)
 {
-	struct dag *d = x->b->d;
-	int nv = x->b->t->nv;
-
-	for (int i = 0; i < nv; i++)
-		for (int c = 0; c < x->S.n; c++)
-			y[i] = dag_sub(d, y[i], dag_mul(d, x->Y[i * x->S.n + c], n[c]));
+	schur_take(x->S, y, n);
 	factor_expand(&x->M, y);
 }
 
@@ -280,9 +268,11 @@ void contacts_solve(const struct forward *x, struct ref *rhs)
 		articulated_halve(&x->bodies, rhs, y);
 	else
 		factor_reduce(&x->M, rhs);
+	schur_project(x->S, y, n);
 	for (int c = 0; c < rows; c++)
-		n[c] = dag_sub(d, over(x, y, c), rhs[nv + c]);
-	factor_solve(&x->S, n);
+		n[c] = dag_sub(d, n[c], rhs[nv + c]);
+	factor(x);
+	schur_solve(x->S, n);
 	(by_bodies ? expand_by_bodies : expand_by_factors)(x, rhs, n);
 	for (int c = 0; c < rows; c++)
 		rhs[nv + c] = dag_neg(d, n[c]);
@@ -343,9 +333,12 @@ void contacts_hand_on(struct forward *x)
 
 void contacts_pivots(const struct forward *x, struct ref *pairs)
 {
-	for (int i = 0; i < x->S.n && !x->b->d->failed; i++) {
-		pairs[2 * i] = x->S.D[i];
-		pairs[2 * i + 1] = x->felt[i * x->S.n + i];
+	if (!x->stands)
+		return;
+	factor(x);
+	for (int i = 0; i < x->S->n && !x->b->d->failed; i++) {
+		pairs[2 * i] = x->S->row[i * x->S->n + i];
+		pairs[2 * i + 1] = x->S->S[i * x->S->n + i];
 	}
 }
 

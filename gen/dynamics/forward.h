@@ -5,6 +5,7 @@
 
 #include "dynamics/articulated.h"
 #include "dynamics/recursion/recursion.h"
+#include "mechanics/schur.h"
 #include "tree/pattern.h"
 
 struct build;
@@ -32,10 +33,8 @@ struct forward {
 	struct recursion mass;
 	struct articulated bodies;
 	struct factor M;
-	/* of contacts (contacts.c), by row of qd and of theirs: L' Y = J'; 1/D; J M^-1 J', and its factors; unit forces on their
-	   way back */
-	struct ref *Y, *inverse, *felt;
-	struct factor S;
+	/* of contacts (contacts.c): J M^-1 J', and by row of theirs unit forces on their way back */
+	struct schur *S;
 	struct svec *unit_f, *unit_n;
 	struct pattern coupled; /* of the derivatives of qdd */
 	struct ref *qdd;        /* [nv], then the contacts' forces */
@@ -73,7 +72,7 @@ struct ref *contacts_join(const struct build *b, struct ref *torques);
 void contacts_begin(struct forward *x);
 void contacts_left(struct forward *x, int body);
 
-/* The factors of that, when those of M are made, or bodies are articulated. d->failed is set when memory runs out, or, with
+/* What that takes of M, when factors of M are made, or bodies are articulated. Once it is solved with, d->failed is set, with
    d->singular, where contacts hold what is held already. */
 void contacts_factor(struct forward *x, struct joint_inputs in);
 

@@ -165,7 +165,7 @@ static void copy_all(const struct orderer *x, struct dag *out, struct ref *map)
 	out->is_wide = 0;
 }
 
-static int takes_over(const struct orderer *x, struct function *p, struct arena *a, struct arena *spare)
+static int takes_over(const struct orderer *x, struct function *p, enum plan_ordered what, struct arena *a, struct arena *spare)
 {
 	struct ref *map = arena_alloc(spare, p->dag.count, sizeof *map);
 	struct dag out;
@@ -177,7 +177,7 @@ static int takes_over(const struct orderer *x, struct function *p, struct arena 
 	if (out.failed)
 		return 0;
 	p->dag = out;
-	return plan_build(&p->plan, &p->dag, x->t, a);
+	return (what == ORDERED_BASE ? plan_build_by_joints : plan_build)(&p->plan, &p->dag, x->t, a);
 }
 
 /* Accelerations, and no matrix. */
@@ -209,19 +209,20 @@ static int takes(struct waiting w, struct waiting own, size_t room, const struct
 int plan_order(struct function *p, const struct tree *t, const struct request *k, const struct rneagen_options *o,
 	enum plan_ordered what, struct arena *a)
 {
-	struct orderer x = {.p = &p->plan, .t = t};
+	struct plan by_joints;
+	struct orderer x = {.p = what == ORDERED_BASE ? &by_joints : &p->plan, .t = t};
 	size_t room = o->precision == RNEAGEN_F32 ? ROOM_SINGLE : ROOM_DOUBLE;
 	struct arena spare;
 	int done;
 
 	arena_init(&spare, &a->allocator);
-	done = order_begin(&x, &spare);
+	done = (what != ORDERED_BASE || plan_build_by_joints(&by_joints, &p->dag, t, &spare)) && order_begin(&x, &spare);
 	if (done) {
 		struct waiting own = waiting_in(&x, NULL, room);
 		struct waiting w = write_lines(&x, k, what, room);
 
 		if (takes(w, own, room, k, what) && reads_first(&x, &spare))
-			done = takes_over(&x, p, a, &spare);
+			done = takes_over(&x, p, what, a, &spare);
 		done = done && !spare.failed;
 	}
 	arena_free(&spare);

@@ -80,7 +80,7 @@ int order_begin(struct orderer *x, struct arena *a)
 	x->wait = arena_alloc(a, lines, sizeof *x->wait);
 	x->need = arena_alloc(a, lines, sizeof *x->need);
 	x->takes = arena_alloc(a, nodes, 1);
-	x->reach = arena_alloc(a, nodes, sizeof *x->reach);
+	x->reach = readings_reach(x->p->dag, x->t, a);
 	x->cone = arena_alloc(a, lines, sizeof *x->cone);
 	x->done = arena_alloc(a, lines, 1);
 	x->order = arena_alloc(a, lines, sizeof *x->order);
@@ -230,25 +230,9 @@ static void begin_writing(struct orderer *x, uint32_t end)
 	order_find_left(x);
 }
 
-static void find_reach(struct orderer *x)
-{
-	const struct dag *d = x->p->dag;
-
-	for (size_t i = 0; i < d->count; i++) {
-		const struct node *n = &d->nodes[i];
-		const struct tree_joint *j = n->op == OP_INPUT ? readings_joint(d, n, x->t) : NULL;
-
-		x->reach[i] = j ? j->iv + j->nv - 1 : -1;
-		for (int k = 0; k < op_arity[n->op]; k++)
-			if (x->reach[n->arg[k].i] > x->reach[i])
-				x->reach[i] = x->reach[n->arg[k].i];
-	}
-}
-
 /* Joint after joint, all lines that the inputs up to its own are enough for. */
 static void write_by_inputs(struct orderer *x)
 {
-	find_reach(x);
 	for (x->row = 0; x->row < x->t->nv; x->row++)
 		for (uint32_t i = 0; i < x->p->line_count; i++) {
 			const struct line *l = &x->p->lines[i];

@@ -1,4 +1,5 @@
 #include "plan/plan.h"
+#include "plan/readings.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -11,6 +12,7 @@ struct planner {
 	struct arena *a;
 	uint32_t *uses;
 	unsigned char *named, *weight; /* weight: operations written in the node's own expression */
+	const int *reach;              /* of readings_reach; NULL: lines are as long as they may be */
 	char **taken;                  /* hash set of names */
 	size_t taken_size;
 };
@@ -85,6 +87,19 @@ static void name_parts(struct planner *b, const struct node *n, int is_in_loop)
 	}
 }
 
+/* What the inputs of earlier joints are enough for is made when these are there. */
+static void name_earlier(struct planner *b, size_t i)
+{
+	const struct node *n = &b->d->nodes[i];
+
+	for (int k = 0; k < op_arity[n->op]; k++) {
+		uint32_t bare = dag_bare(b->d, n->arg[k].i, NULL);
+
+		if (op_arity[b->d->nodes[bare].op] && b->reach[bare] >= 0 && b->reach[bare] < b->reach[i])
+			b->named[bare] = 1;
+	}
+}
+
 static void choose_lines(struct planner *b)
 {
 	size_t loops = dag_loops_begin(b->d);
@@ -92,6 +107,8 @@ static void choose_lines(struct planner *b)
 	for (size_t i = 0; i < b->d->count; i++) {
 		if (!b->uses[i])
 			continue;
+		if (b->reach)
+			name_earlier(b, i);
 		weigh(b, i);
 		name_parts(b, &b->d->nodes[i], i >= loops);
 		if (i >= loops && dag_loops_go_back(b->d))
@@ -235,9 +252,9 @@ static void add_section(struct planner *b, size_t section)
 		b->p->line_count = head; /* nothing to say */
 }
 
-int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a)
+static int build(struct plan *p, const struct dag *d, const struct tree *t, const int *reach, struct arena *a)
 {
-	struct planner b = {.p = p, .d = d, .a = a, .taken_size = 2 * (d->count + DAG_ARGUMENTS) + 1};
+	struct planner b = {.p = p, .d = d, .a = a, .reach = reach, .taken_size = 2 * (d->count + DAG_ARGUMENTS) + 1};
 	unsigned temporaries = 0;
 
 	*p = (struct plan){.dag = d, .tree = t};
@@ -264,6 +281,18 @@ int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct
 	arena_release(a, b.named);
 	arena_release(a, b.uses);
 	return !a->failed;
+}
+
+int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a)
+{
+	return build(p, d, t, NULL, a);
+}
+
+int plan_build_by_joints(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a)
+{
+	const int *reach = readings_reach(d, t, a);
+
+	return reach && build(p, d, t, reach, a);
 }
 
 struct ref plan_partner(const struct plan *p, struct ref sincos, enum op op)

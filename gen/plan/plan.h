@@ -120,6 +120,10 @@ struct operation_count {
 /* The DAG must be fused. Returns 0 when memory runs out. */
 int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a);
 
+/* The same, and a value has a line too where the inputs of earlier joints are enough for it than its reader takes: of a sum over
+   limbs, what the limbs so far have made of it. */
+int plan_build_by_joints(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a);
+
 /* What is put into another order: a function, a part that shares nothing with others, what has loops over limbs, which takes
    any order in which rows are written late, or what makes the base's acceleration of all limbs, one after the other. */
 enum plan_ordered { ORDERED_WHOLE, ORDERED_PART, ORDERED_LOOPS, ORDERED_BASE };

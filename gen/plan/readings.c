@@ -151,3 +151,19 @@ const struct tree_joint *readings_joint(const struct dag *d, const struct node *
 		return NULL;
 	return tree_joint_of_row(t, row % t->nv);
 }
+
+int *readings_reach(const struct dag *d, const struct tree *t, struct arena *a)
+{
+	int *reach = arena_alloc(a, d->count, sizeof *reach);
+
+	for (size_t i = 0; i < d->count && reach; i++) {
+		const struct node *n = &d->nodes[i];
+		const struct tree_joint *j = n->op == OP_INPUT ? readings_joint(d, n, t) : NULL;
+
+		reach[i] = j ? j->iv + j->nv - 1 : -1;
+		for (int k = 0; k < op_arity[n->op]; k++)
+			if (reach[n->arg[k].i] > reach[i])
+				reach[i] = reach[n->arg[k].i];
+	}
+	return reach;
+}
