@@ -225,6 +225,33 @@ static struct ref *sweep_backward(struct sweep *s, struct derivable *x, int coun
 	return bar;
 }
 
+/* M^-1 of weights on qdd; with contacts also what holds these, unless it is read (contacts.h). */
+static void solve_found(const struct sweep *s, struct ref *mu)
+{
+	const struct build *b = s->b;
+	int nv = b->t->nv;
+
+	if (b->handed != HANDED_BY_FORCES) {
+		forward_solve(b->forward, mu);
+		return;
+	}
+	for (int i = nv; i < contacts_found(b) && !s->d->failed; i++)
+		mu[i] = dag_neg(s->d, b->weights[i - nv]);
+	contacts_solve_pulled(b->forward, s->in, mu, mu + nv);
+	memcpy(mu + nv, b->weights, (size_t)b->k->contact_rows * sizeof *mu);
+}
+
+/* As an output: what all else takes. */
+static struct ref output_mu(const struct sweep *s, int row, struct ref mu)
+{
+	const struct build *b = s->b;
+
+	if (b->handed != HANDED_BY_FORCES || contacts_weights_fit(b->t, b->k))
+		return want_hand_on(b, 2 * b->t->nv + row, mu, "mu");
+	dag_output(s->d, b->outputs[0], 2 * b->t->nv + row, mu);
+	return mu;
+}
+
 /* The weights on qdd become -mu on ID, one more root for each row; mu is the derivative by tau. Returns how many roots there
    are. */
 static int weigh_found(struct sweep *s)
@@ -239,9 +266,9 @@ static int weigh_found(struct sweep *s)
 		mu[i] = bar_of(&x, bar, DAG_HELD, i);
 		mu[i] = i < nv ? mu[i] : dag_neg(d, mu[i]);
 	}
-	forward_solve(s->b->forward, mu);
+	solve_found(s, mu);
 	for (int i = 0; i < nv && !d->failed; i++)
-		mu[i] = dag_neg(d, want_hand_on(s->b, 2 * nv + i, mu[i], "mu"));
+		mu[i] = dag_neg(d, output_mu(s, i, mu[i]));
 	memcpy(s->roots + s->count, s->b->torques, (size_t)found * sizeof *mu);
 	return s->count + found;
 }

@@ -63,17 +63,22 @@ enum looped { LOOPED_SINGLE, LOOPED_LANES, LOOPED_BATCH, LOOPED_RELAY };
    are made of qdd read it back. Returns 0, and leaves the DAG empty, where that does not serve the request, or is no gain. */
 int algorithm_build_looped(struct dag *d, const struct tree *t, const struct request *k, enum looped use);
 
+/* The main function once more, with gradients of the torques in loops over the coordinates beyond each body: for long chains.
+   Returns 0, and leaves the DAG empty, where that does not serve the request, or is no gain. */
+int algorithm_build_way_back(struct dag *d, const struct tree *t, const struct request *k, int is_batch);
+
 /* What stands in rows of the output, and is read back there: nothing; qdd, and mu of a vjp (product.c); of a jvp also what
-   M^-1 is to be taken of; of qdd the forces on what stands. */
-enum handed { HANDED_NOTHING, HANDED_FOUND, HANDED_ALL, HANDED_FORCES };
+   M^-1 is to be taken of. Where links stand, the forces on these, of a vjp with those of its weights, and nothing else; or
+   they are read, and what is made of them is as it were without. */
+enum handed { HANDED_NOTHING, HANDED_FOUND, HANDED_ALL, HANDED_FORCES, HANDED_BY_FORCES };
+
+/* Of a vjp, do forces of its weights stand beside the others, in rows by qd? Else they have those by tau, until mu is there. */
+int contacts_weights_fit(const struct tree *t, const struct request *k);
 
 /* The DAG of a product of accelerations, or of accelerations with contacts, once more, the only output, without refinement: for
    kernels that go on from what the one before has written. What is handed on is an output of its own before those that read it
    there. */
 void algorithm_build_handed(struct dag *d, const struct tree *t, const struct request *k, enum handed handed);
-
-/* The same, with gradients of the torques in loops over the coordinates beyond each body: for long chains. */
-int algorithm_build_way_back(struct dag *d, const struct tree *t, const struct request *k, int is_batch);
 
 /* Declare the arrays of its own. */
 void algorithm_declare(const struct algorithm *x, struct dag *d, const struct tree *t);

@@ -262,6 +262,7 @@ static int alloc(struct build *b)
 	b->outputs = arena_alloc(a, (size_t)b->k->want_count, sizeof *b->outputs);
 	b->done = arena_alloc(a, (size_t)b->k->want_count, 1);
 	b->forces = arena_alloc(a, (size_t)b->k->contact_rows, sizeof *b->forces);
+	b->weights = arena_alloc(a, (size_t)b->k->contact_rows, sizeof *b->weights);
 	b->accelerated = arena_alloc(a, (size_t)b->k->contact_rows, sizeof *b->accelerated);
 	return !a->failed;
 }
@@ -312,18 +313,22 @@ struct ref want_hand_on(const struct build *b, int row, struct ref value, const 
 /* Where tau is an input, qdd is what it makes: held while torques are differentiated, until all is made. */
 static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
 {
+	int are_read = b->handed == HANDED_BY_FORCES;
+
+	if (are_read)
+		contacts_read(b);
 	forward_find(x, b, *in);
 	if (b->handed == HANDED_FORCES) {
 		contacts_hand_on(x);
-		forward_find(x, b, *in);
+		return;
 	}
 	forward_outputs(x, output_of(b, WANT_QDD), output_of(b, WANT_MINV));
 	for (int i = 0; i < b->t->nv && b->loops && b->loops->is_relay && !b->d->failed; i++)
 		x->qdd[i] = dag_input(b->d, output_of(b, WANT_QDD), i);
-	for (int i = 0; i < b->t->nv && b->handed && b->handed != HANDED_FORCES && !b->d->failed; i++)
+	for (int i = 0; i < b->t->nv && b->handed && request_wants_any(b->k, IS_PRODUCT) && !b->d->failed; i++)
 		x->qdd[i] = want_hand_on(b, i, x->qdd[i], "qdd");
 	in->qdd = (struct source){.argument = DAG_HELD};
-	for (int i = 0; i < b->k->contact_rows && !b->d->failed; i++)
+	for (int i = 0; i < b->k->contact_rows && !are_read && !b->d->failed; i++)
 		b->forces[i] = dag_input(b->d, DAG_HELD, b->t->nv + i);
 	forward_bound(x, *in, output_of(b, WANT_QDD_BOUND));
 }
@@ -362,7 +367,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics,
 		.pivots_alone = ways.pivots_alone, .loops = ways.loops, .way = ways.way, .handed = ways.handed};
 	struct joint_inputs in;
-	struct forward forward = {.b = &b, .torques = {.argument = -1}, .stands = k->contact_count > 0};
+	struct forward forward = {.b = &b, .torques = {.argument = -1}, .stands = k->contact_count > 0 && ways.handed != HANDED_BY_FORCES};
 
 	if (!alloc(&b)) {
 		d->failed = 1;
@@ -385,7 +390,8 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	}
 	if (k->is_forward)
 		find_qdd(&b, &in, &forward);
-	run_outputs(&b, in);
+	if (b.handed != HANDED_FORCES)
+		run_outputs(&b, in);
 	if (ways.loops)
 		forward_loop(&forward);
 	dag_forget(d);

@@ -2,6 +2,7 @@
 #define RNEAGEN_WANT_H
 /* A scene's request while its DAG is made. */
 
+#include "dynamics/contacts/contacts.h"
 #include "dynamics/forward.h"
 #include "dynamics/recursion/recursion.h"
 #include "dynamics/registry.h"
@@ -18,6 +19,7 @@ struct build {
 	struct ref *own[OWN_TERMS]; /* by body; as the tour's */
 	int *pushed, *outputs; /* arguments, by push and by want */
 	struct ref *forces;      /* by row of contacts: what they pull at the tour's bodies with */
+	struct ref *weights;     /* the same rows: those of a vjp's weights, where they are read (contacts.h) */
 	struct ref *demanded;    /* the same rows: how contacts are to accelerate */
 	struct ref *accelerated; /* how they do more than that, by the last tour */
 	char *done;            /* by want: the recursion writes it */

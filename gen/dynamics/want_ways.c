@@ -73,8 +73,9 @@ static void build_cheapest(struct dag *d, const struct tree *t, const struct req
 	int has_derivatives = request_wants(k, WANT_DTAU_DQ) || request_wants(k, WANT_DTAU_DQD) ||
 		request_wants(k, WANT_DQDD_DQ) ||
 		request_wants(k, WANT_DQDD_DQD);
+	int is_shorter = articulated_is_shorter(t) || (handed == HANDED_FORCES && articulated_serves(t)); /* little waits of it */
 	int is_open = k->dynamics == DYNAMICS_CHEAPER &&
-		(!articulated_is_shorter(t) || request_wants(k, WANT_QDD_BOUND)); /* which takes M too */
+		(!is_shorter || request_wants(k, WANT_QDD_BOUND)); /* which takes M too */
 	struct ways now = {
 		.derivatives = k->derivatives == DERIVATIVES_FORWARD ? DERIVATIVES_FORWARD : DERIVATIVES_RECURSION,
 		.dynamics = is_open || k->dynamics == DYNAMICS_FACTOR ? DYNAMICS_FACTOR : DYNAMICS_ARTICULATED,

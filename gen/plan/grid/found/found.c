@@ -18,7 +18,7 @@ enum { FULL_SINGLE = 450, FULL_DOUBLE = 210 };
 enum { LONG = 8200 };
 
 /* What is made one after the other: of a vjp qdd and mu, then the rest; of a jvp qdd, then what tau changes by while qdd stands
-   still, then M^-1 of that. */
+   still, then M^-1 of that. Where links stand, forces on these come first. */
 enum { MOST_ROUNDS = 3 };
 
 struct round {
@@ -28,7 +28,11 @@ struct round {
 
 static const struct round OF_VJP[] = {{"qdd, and M^-1 of the weights", 1}, {"the rest, where both are found", 0}},
 	OF_JVP[MOST_ROUNDS] = {{"qdd", 1}, {"what tau changes by where qdd stands still", 0}, {"M^-1 of that", 1}},
-	OF_CONTACTS[] = {{"forces on what stands", 1}, {"qdd, with these", 1}};
+	OF_CONTACTS[] = {{"forces on what stands", 1}, {"qdd, with these", 1}},
+	OF_CONTACTS_VJP[MOST_ROUNDS] = {{"forces on what stands, and those of the weights", 1},
+		{"qdd, and M^-1 of the weights, with these", 1}, {"the rest, where all are found", 0}},
+	OF_MANY_CONTACTS_VJP[MOST_ROUNDS] = {{"forces on what stands, and those of the weights", 1}, {"qdd, with these", 1},
+		{"M^-1 of the weights, and the rest", 0}};
 
 /* One of them on its way to parts. */
 struct made {
@@ -59,12 +63,13 @@ static int has_places(const struct parts_of *x)
 		dag_find_role(x->raw, ROLE_JOINT_TORQUE, 0) == stretches_found_place(x->raw, FOUND_MU);
 }
 
-/* Do all forces stand in rows of joints? Those of a base that moves may be made before what reads the forces. */
+/* Do all forces stand in rows that nothing writes before they are read? Rows of qdd of a base that moves may be made first; a
+   vjp has rows by qd. */
 static int have_rows(const struct parts_of *x)
 {
-	int rows = x->tree->nv - (base_is_free(x->tree) ? joint_nv(JOINT_FLOATING) : 0);
+	int is_base_first = base_is_free(x->tree) && product_of(x) == WANT_QDD;
 
-	return x->request->contact_rows <= rows;
+	return x->request->contact_rows <= x->tree->nv - (is_base_first ? joint_nv(JOINT_FLOATING) : 0);
 }
 
 static int is_served(const struct parts_of *x)
@@ -77,7 +82,8 @@ static int is_served(const struct parts_of *x)
 	if (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64)
 		return 0;
 	if (k->contact_count)
-		return product_of(x) == WANT_QDD && o->layout == RNEAGEN_SOA && have_rows(x);
+		return (product_of(x) == WANT_QDD || (product_of(x) == WANT_VJP && request_is_plain_product(k, &k->vjp))) &&
+			o->layout == RNEAGEN_SOA && have_rows(x);
 	if (product_of(x) == WANT_VJP)
 		return request_is_plain_product(k, &k->vjp) && has_places(x);
 	return product_of(x) == WANT_JVP && request_is_plain_product(k, &k->jvp) && o->layout == RNEAGEN_SOA;
@@ -93,10 +99,10 @@ static int is_full(const struct parts_of *x, struct arena *a)
 static int *rounds_of(const struct dag *d, const struct parts_of *x, struct arena *a)
 {
 	int nv = x->tree->nv, *round = arena_alloc(a, d->output_count + 1, sizeof *round);
+	int is_mu_found = !x->request->contact_count || contacts_weights_fit(x->tree, x->request);
 
 	for (int i = 0; i < (int)d->output_count && round; i++)
-		round[i] = x->request->contact_count ? i >= x->request->contact_rows
-			: product_of(x) == WANT_JVP ? i / nv : i >= nv && d->outputs[i].row < 2 * nv;
+		round[i] = product_of(x) == WANT_JVP ? i / nv : i >= nv && (d->outputs[i].row < 2 * nv || !is_mu_found);
 	return round;
 }
 
@@ -119,6 +125,25 @@ int found_rounds(struct dag *dags, int count, const struct parts_of *x, enum han
 	return 1;
 }
 
+/* Where links stand, the forces' round has a DAG of its own. */
+static int make_rounds(struct chain *c, const struct parts_of *x, struct arena *a)
+{
+	if (!x->request->contact_count)
+		return found_rounds(c->dags, c->round_count, x, HANDED_ALL, a);
+	dag_init(&c->dags[0], a);
+	algorithm_build_handed(&c->dags[0], x->tree, x->request, HANDED_FORCES);
+	return !c->dags[0].failed && found_rounds(c->dags + 1, c->round_count - 1, x, HANDED_BY_FORCES, a);
+}
+
+static const struct round *rounds_for(const struct parts_of *x)
+{
+	if (!x->request->contact_count)
+		return product_of(x) == WANT_JVP ? OF_JVP : OF_VJP;
+	if (product_of(x) == WANT_QDD)
+		return OF_CONTACTS;
+	return contacts_weights_fit(x->tree, x->request) ? OF_CONTACTS_VJP : OF_MANY_CONTACTS_VJP;
+}
+
 /* Rows of a jvp hold first the one, then the other. */
 static void rename_found(struct dag *d)
 {
@@ -133,10 +158,10 @@ static int begin(struct chain *c, const struct parts_of *x, struct arena *spare,
 {
 	int is_jvp = product_of(x) == WANT_JVP;
 
-	c->rounds = x->request->contact_count ? OF_CONTACTS : is_jvp ? OF_JVP : OF_VJP;
-	c->round_count = is_jvp ? 3 : 2;
+	c->rounds = rounds_for(x);
+	c->round_count = c->rounds == OF_VJP || c->rounds == OF_CONTACTS ? 2 : MOST_ROUNDS;
 	c->parts = arena_alloc(a, (size_t)c->round_count * ((size_t)x->tree->nv + 2), sizeof *c->parts);
-	if (!c->parts || !found_rounds(c->dags, c->round_count, x, x->request->contact_count ? HANDED_FORCES : HANDED_ALL, spare))
+	if (!c->parts || !make_rounds(c, x, spare))
 		return 0;
 	if (is_jvp)
 		rename_found(&c->dags[2]);
@@ -247,12 +272,14 @@ static int make_forces(struct kernels *k, struct chain *c, struct arena *spare, 
 static int make_kernels(struct kernels *k, struct chain *c, int round, struct arena *spare, struct arena *a)
 {
 	const struct parts_of *x = &c->made[round].of;
+	int is_forward = c->rounds[round].is_forward, has_forces = c->rounds != OF_VJP && c->rounds != OF_JVP;
 
 	*k = (struct kernels){0};
-	if (c->rounds == OF_CONTACTS && round == 0)
+	if (has_forces && round == 0)
 		return make_forces(k, c, spare, a);
-	if (x->options->layout == RNEAGEN_SOA && base_is_free(x->tree) &&
-		!(c->rounds[round].is_forward ? divide : make_hands)(k, c, round, spare, a))
+	/* a side would write rows in which the other one's forces stand */
+	if (x->options->layout == RNEAGEN_SOA && base_is_free(x->tree) && (is_forward || !has_forces) &&
+		!(is_forward ? divide : make_hands)(k, c, round, spare, a))
 		return 0;
 	if (!k->before)
 		k->main = make_limbs(c, round, &c->dags[round], c->count, spare, a);

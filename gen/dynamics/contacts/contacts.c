@@ -5,6 +5,7 @@
    With M = L' D L, L' Y = J' and S = J M^-1 J' = Y' D^-1 Y, any right side b, c of M x - J' f = b, J x = c is solved by
    L' y = b;  S n = Y' D^-1 y - c, f = -n;  L x = D^-1 (y - Y n), and Y has no rows but those of a link's chain. Here x is what
    qdd lacks, and c is -a, the links' acceleration so far. The same solves for derivatives, of both at once. */
+#include "dynamics/contacts/contacts.h"
 #include "dynamics/want.h"
 #include <string.h>
 
@@ -108,6 +109,15 @@ static void join(const struct forward *x, int body)
 		schur_join(x->S, i);
 }
 
+/* The rows of J of a contact, [6][nv]. */
+static void make_rows(const struct build *b, const struct contact *c, struct ref *J)
+{
+	const struct want of = {.body = c->body, .X = c->X};
+
+	memset(J, 0, 6 * (size_t)b->t->nv * sizeof *J);
+	jacobian_columns(&b->places, &of, J);
+}
+
 /* By factors of M, L' Y = J', when these are made. */
 static void reduce_by_factors(struct forward *x)
 {
@@ -117,10 +127,8 @@ static void reduce_by_factors(struct forward *x)
 
 	for (int i = 0; i < b->k->contact_count && J; i++) {
 		const struct contact *c = &b->k->contacts[i];
-		const struct want of = {.body = c->body, .X = c->X};
 
-		memset(J, 0, 6 * (size_t)nv * sizeof *J);
-		jacobian_columns(&b->places, &of, J);
+		make_rows(b, c, J);
 		for (int row = 0; row < c->rows; row++) {
 			factor_reduce(&x->M, J + row * nv);
 			for (int k = 0; k < nv; k++)
@@ -254,6 +262,37 @@ static void expand_by_bodies(const struct forward *x, struct ref *rhs, const str
 		b->d->failed = 1;
 }
 
+/* b - J' n in place of b. */
+static void pull_rows(const struct build *b, struct ref *rhs, const struct ref *n)
+{
+	struct dag *d = b->d;
+	int nv = b->t->nv;
+	struct ref *J = arena_alloc(d->arena, 6 * (size_t)nv, sizeof *J);
+
+	for (int i = 0; i < b->k->contact_count && J; i++) {
+		const struct contact *c = &b->k->contacts[i];
+
+		make_rows(b, c, J);
+		for (int row = 0; row < c->rows; row++)
+			for (int k = 0; k < nv; k++)
+				rhs[k] = dag_sub(d, rhs[k], dag_mul(d, J[row * nv + k], n[c->first + row]));
+	}
+	d->failed |= !J;
+}
+
+void contacts_solve_pulled(const struct forward *x, struct joint_inputs in, struct ref *rhs, const struct ref *n)
+{
+	struct build *b = x->b;
+
+	if (b->dynamics == DYNAMICS_ARTICULATED) {
+		expand_by_bodies(x, rhs, n);
+		return;
+	}
+	want_places(b, in);
+	pull_rows(b, rhs, n);
+	factor_solve(&x->M, rhs);
+}
+
 void contacts_solve(const struct forward *x, struct ref *rhs)
 {
 	struct dag *d = x->b->d;
@@ -290,45 +329,6 @@ void contacts_outputs(const struct forward *x)
 		for (int row = 0; c && row < c->rows; row++)
 			dag_output(b->d, b->outputs[i], row, x->qdd[b->t->nv + c->first + row]);
 	}
-}
-
-/* A row of qd that is free, of the contact's chain, those nearest to it first, or else of any joint: the part that reads the
-   force has these rows. The base's come last: a kernel may write these before the joints' (plan/grid/base_first.h). */
-static int free_row(const struct tree *t, const struct contact *c, unsigned char *taken)
-{
-	for (int k = c->body; k > 0; k = t->bodies[k].parent)
-		for (int i = t->bodies[k].iv + joint_nv(t->bodies[k].type); i-- > t->bodies[k].iv;)
-			if (!taken[i])
-				return i;
-	for (int i = t->nv; i-- > 0;)
-		if (!taken[i])
-			return i;
-	return -1; /* more rows than coordinates are refused before (singular.c) */
-}
-
-void contacts_hand_on(struct forward *x)
-{
-	struct build *b = x->b;
-	struct dag *d = b->d;
-	unsigned char *taken = arena_alloc(d->arena, (size_t)b->t->nv + 1, sizeof *taken);
-
-	x->stands = 0;
-	for (int i = 0; i < b->k->contact_count && taken; i++) {
-		const struct contact *c = &b->k->contacts[i];
-
-		for (int f = c->first; f < c->first + c->rows && !d->failed; f++) {
-			int row = free_row(b->t, c, taken);
-
-			if (row < 0) {
-				d->failed = 1;
-				return;
-			}
-			taken[row] = 1;
-			dag_output(d, b->outputs[0], row, x->qdd[b->t->nv + f]);
-			b->forces[f] = dag_input(d, b->outputs[0], row);
-		}
-	}
-	d->failed |= !taken;
 }
 
 void contacts_pivots(const struct forward *x, struct ref *pairs)
