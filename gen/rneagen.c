@@ -193,6 +193,8 @@ static enum rneagen_code limbs_make_all(struct generation *g)
 		limbs_beside_base(&g->functions[0].limbs);
 	else if (base_sides_are(g->parts, g->part_count, &a->tree, &a->request))
 		limbs_beside_sides(&g->functions[0].limbs, &a->options);
+	else if (found_is(g->parts, g->part_count, &a->request))
+		found_limbs_beside(&g->functions[0].limbs, g->parts, g->part_count, &a->options);
 	else if (are_apart)
 		limbs_beside_parts(&g->functions[0].limbs, g->part_count, &a->request, &a->options);
 	return !g->relay || relay_limbs(g->relay, &a->request, &o, a->arena) ? RNEAGEN_OK : error_memory(a->error);

@@ -109,6 +109,13 @@ enum { DAG_RUNS = 256, DAG_LOOPS = 256, DAG_PUTS = 1152 };
    zero where its loop leaves nothing. No rows: there is no such loop. */
 enum { DAG_REDUCED = DAG_COLUMN + DAG_LOOPS, DAG_EVERY };
 
+/* A matrix that no state makes regular: the row of qd whose joint moves no mass, the want that has no inverse, or the contact
+   that holds what is held already. */
+struct singular {
+	enum singular_of { SINGULAR_NONE, SINGULAR_ROW, SINGULAR_WANT, SINGULAR_CONTACT } of;
+	int number;
+};
+
 struct dag {
 	struct arena *arena;
 	struct node *nodes;
@@ -136,9 +143,7 @@ struct dag {
 	double angle; /* the sine and cosine of a larger one are evaluated as NAN; 0: they are not */
 	size_t limit; /* nodes; 0: as many as memory holds */
 	int failed;   /* sticky: out of memory, an argument, a node or a run too many, a matrix that cannot be solved */
-	/* 1 + the row of qd whose joint moves no mass, where that made it fail; or -1 - the want that has no inverse,
-	   and behind all wants the contact that holds what is held already */
-	int singular;
+	struct singular singular; /* where that made it fail */
 	int constant; /* 1 + the number of a want that does not vary, where that made it fail */
 };
 

@@ -107,8 +107,10 @@ void forward_factor(struct forward *x, struct build *b, struct joint_inputs in)
 		: SECTION_FACTORS, 0);
 	if (b->dynamics != DYNAMICS_ARTICULATED && !d->failed)
 		factor(x, d);
-	if (x->singular >= 0)
-		d->failed = d->singular = 1 + x->singular;
+	if (x->singular >= 0) {
+		d->failed = 1;
+		d->singular = (struct singular){SINGULAR_ROW, x->singular};
+	}
 	if (x->stands && !d->failed)
 		contacts_factor(x, in);
 }

@@ -105,7 +105,7 @@ static void factor(const struct opspace *x, struct factor *f)
 		return;
 	d->failed = 1;
 	if (singular >= 0)
-		d->singular = -1 - (int)(x->w - x->b->k->wants);
+		d->singular = (struct singular){SINGULAR_WANT, (int)(x->w - x->b->k->wants)};
 }
 
 static void output(const struct opspace *x, int argument)
@@ -151,8 +151,11 @@ void opspace_pivots(struct build *b, int want, struct ref *pairs)
 
 	factor(&x, &f);
 	for (int i = 0; i < 6 && !b->d->failed; i++) {
+		int first = i < 3 ? 0 : 3;
+
 		pairs[2 * i] = f.D[i];
-		pairs[2 * i + 1] = x.X[7 * i];
+		for (int c = first; c < first + 3; c++)
+			pairs[2 * i + 1] = dag_add(b->d, pairs[2 * i + 1], x.X[7 * c]);
 	}
 }
 

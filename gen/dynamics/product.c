@@ -225,20 +225,21 @@ static struct ref *sweep_backward(struct sweep *s, struct derivable *x, int coun
 	return bar;
 }
 
-/* M^-1 of weights on qdd; with contacts also what holds these, unless it is read (contacts.h). */
+/* M^-1 of weights on qdd; with contacts also what holds these, which is read where it was found before (contacts.h). */
 static void solve_found(const struct sweep *s, struct ref *mu)
 {
 	const struct build *b = s->b;
 	int nv = b->t->nv;
 
-	if (b->handed != HANDED_BY_FORCES) {
+	if (b->handed == HANDED_BY_FORCES) {
+		for (int i = nv; i < contacts_found(b) && !s->d->failed; i++)
+			mu[i] = dag_neg(s->d, b->weights[i - nv]);
+		contacts_solve_pulled(b->forward, s->in, mu, mu + nv);
+	} else {
 		forward_solve(b->forward, mu);
-		return;
 	}
-	for (int i = nv; i < contacts_found(b) && !s->d->failed; i++)
-		mu[i] = dag_neg(s->d, b->weights[i - nv]);
-	contacts_solve_pulled(b->forward, s->in, mu, mu + nv);
-	memcpy(mu + nv, b->weights, (size_t)b->k->contact_rows * sizeof *mu);
+	if (b->handed)
+		memcpy(mu + nv, b->weights, (size_t)b->k->contact_rows * sizeof *mu);
 }
 
 /* As an output: what all else takes. */

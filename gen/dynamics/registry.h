@@ -67,9 +67,9 @@ int algorithm_build_looped(struct dag *d, const struct tree *t, const struct req
    Returns 0, and leaves the DAG empty, where that does not serve the request, or is no gain. */
 int algorithm_build_way_back(struct dag *d, const struct tree *t, const struct request *k, int is_batch);
 
-/* What stands in rows of the output, and is read back there: nothing; qdd, and mu of a vjp (product.c); of a jvp also what
-   M^-1 is to be taken of. Where links stand, the forces on these, of a vjp with those of its weights, and nothing else; or
-   they are read, and what is made of them is as it were without. */
+/* What stands in rows of the output, and is read back there: nothing; qdd, and mu of a vjp (product.c), before these forces on
+   links that stand, and those of the weights; of a jvp also what M^-1 is to be taken of. Such forces and nothing else; or they are
+   read, and all else is made as where nothing stands. */
 enum handed { HANDED_NOTHING, HANDED_FOUND, HANDED_ALL, HANDED_FORCES, HANDED_BY_FORCES };
 
 /* Of a vjp, do forces of its weights stand beside the others, in rows by qd? Else they have those by tau, until mu is there. */

@@ -61,13 +61,29 @@ static int nth_opspace(const struct request *k, int n)
 }
 
 /* What the pivot of this number makes of d->singular. */
-static int singular_of(int pivot, const struct tree *t, const struct request *k)
+static struct singular singular_of(int pivot, const struct tree *t, const struct request *k)
 {
 	int beyond = pivot - t->nv;
 
 	if (beyond < 0)
-		return 1 + pivot;
-	return beyond < k->contact_rows ? contacts_singular(k, beyond) : -1 - nth_opspace(k, (beyond - k->contact_rows) / 6);
+		return (struct singular){SINGULAR_ROW, pivot};
+	if (beyond < k->contact_rows)
+		return contacts_singular(k, beyond);
+	return (struct singular){SINGULAR_WANT, nth_opspace(k, (beyond - k->contact_rows) / 6)};
+}
+
+/* Does this row leave nothing, nor any number at all? Of M in all samples: a joint may move little. Of what links feel in one of
+   them: in states that are drawn all that can be moved is, but so ill is what most are left of that others may show more. */
+static int is_nothing(const real *pivots, int count, int row, int nv)
+{
+	int samples = 0;
+
+	for (int s = 0; s < SAMPLES; s++) {
+		const real *p = pivots + 2 * (s * count + row);
+
+		samples += !(fabsl(p[0]) > NOTHING_LEFT * fabsl(p[1]));
+	}
+	return row < nv ? samples == SAMPLES : samples > 0;
 }
 
 /* Rows are eliminated one after the other. The first that leaves nothing spoils the others, which are then no small numbers. */
@@ -83,19 +99,11 @@ static void judge(struct dag *d, const struct dag *trial, const struct tree *t, 
 	}
 	for (int s = 0; s < SAMPLES && !d->failed; s++)
 		d->failed = !evaluate(trial, t, &x, (size_t)s, pivots + s * 2 * count, a);
-	for (int i = 0; i < count && !d->failed; i++) {
-		int is_nothing = 1;
-
-		for (int s = 0; s < SAMPLES; s++) {
-			const real *p = pivots + 2 * (s * count + i);
-
-			is_nothing &= fabsl(p[0]) <= NOTHING_LEFT * fabsl(p[1]);
-		}
-		if (is_nothing) {
+	for (int i = 0; i < count && !d->failed; i++)
+		if (is_nothing(pivots, count, i, t->nv)) {
 			d->failed = 1;
 			d->singular = singular_of(i, t, k);
 		}
-	}
 }
 
 int singular_find(struct dag *d, const struct tree *t, const struct request *k)

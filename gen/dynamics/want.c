@@ -318,9 +318,12 @@ static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x
 	if (are_read)
 		contacts_read(b);
 	forward_find(x, b, *in);
-	if (b->handed == HANDED_FORCES) {
+	if (b->handed == HANDED_FORCES || (b->handed == HANDED_FOUND && x->stands)) {
 		contacts_hand_on(x);
-		return;
+		if (b->handed == HANDED_FORCES)
+			return;
+		contacts_read(b);
+		are_read = 1;
 	}
 	forward_outputs(x, output_of(b, WANT_QDD), output_of(b, WANT_MINV));
 	for (int i = 0; i < b->t->nv && b->loops && b->loops->is_relay && !b->d->failed; i++)

@@ -35,11 +35,11 @@ void schur_take(const struct schur *x, struct ref *y, const struct ref *n)
 			y[i] = dag_sub(x->d, y[i], dag_mul(x->d, x->Y[i * x->n + c], n[c]));
 }
 
-/* What rows of Y that have not joined add to an element. */
-static struct ref join_late(const struct schur *x, int k, int j)
+/* An element of S, with what rows of Y that have not joined add. */
+static struct ref join_late(const struct schur *x, int j, int k)
 {
 	struct dag *d = x->d;
-	struct ref sum = x->S[k * x->n + j];
+	struct ref sum = x->S[j * x->n + k];
 
 	for (int i = x->nv; i-- > 0;)
 		if (!x->joined[i])
@@ -47,18 +47,18 @@ static struct ref join_late(const struct schur *x, int k, int j)
 	return sum;
 }
 
-/* Row k of S, less what the rows after it eliminate: row k of d l. */
-static void make_row(struct schur *x, int k)
+/* Column k of S, less what the columns before it eliminate: column k of l d. */
+static void make_column(struct schur *x, int k)
 {
 	struct dag *d = x->d;
 	int n = x->n;
 
-	for (int j = k; j >= 0; j--) {
-		struct ref left = x->S[k * n + j] = join_late(x, k, j);
+	for (int j = k; j < n; j++) {
+		struct ref left = x->S[j * n + k] = join_late(x, j, k);
 
-		for (int m = n; m-- > k + 1;)
-			left = dag_sub(d, left, dag_mul(d, dag_mul(d, x->row[m * n + k], x->over[m]), x->row[m * n + j]));
-		x->row[k * n + j] = left;
+		for (int m = 0; m < k; m++)
+			left = dag_sub(d, left, dag_mul(d, dag_mul(d, x->left[k * n + m], x->over[m]), x->left[j * n + m]));
+		x->left[j * n + k] = left;
 	}
 }
 
@@ -66,36 +66,46 @@ int schur_factor(struct schur *x)
 {
 	struct dag *d = x->d;
 
-	if (x->row || d->failed)
+	if (x->left || d->failed)
 		return -1;
-	x->row = arena_alloc(d->arena, (size_t)x->n * (size_t)x->n, sizeof *x->row);
-	d->failed |= !x->row;
-	for (int k = x->n; k-- > 0 && !d->failed;) {
-		make_row(x, k);
-		if (!x->row[k * x->n + k].i)
+	x->left = arena_alloc(d->arena, (size_t)x->n * (size_t)x->n, sizeof *x->left);
+	d->failed |= !x->left;
+	for (int k = 0; k < x->n && !d->failed; k++) {
+		make_column(x, k);
+		if (!x->left[k * x->n + k].i)
 			return k;
-		x->over[k] = dag_div(d, dag_const(d, 1), x->row[k * x->n + k]);
+		x->over[k] = dag_div(d, dag_const(d, 1), x->left[k * x->n + k]);
 	}
 	return -1;
 }
 
-/* l^T y = b, z = d^-1 y, and n = z - d^-1 (d l - d) n. */
+/* l y = b, z = d^-1 y, and n = z - d^-1 (l d - d)^T n. */
 void schur_solve(const struct schur *x, struct ref *b)
 {
 	struct dag *d = x->d;
+	int n = x->n;
 
 	if (d->failed)
 		return;
-	for (int i = x->n; i-- > 0;) {
-		b[i] = dag_mul(d, b[i], x->over[i]);
-		for (int j = 0; j < i; j++)
-			b[j] = dag_sub(d, b[j], dag_mul(d, x->row[i * x->n + j], b[i]));
+	for (int k = 0; k < n; k++) {
+		b[k] = dag_mul(d, b[k], x->over[k]);
+		for (int j = k + 1; j < n; j++)
+			b[j] = dag_sub(d, b[j], dag_mul(d, x->left[j * n + k], b[k]));
 	}
-	for (int i = 1; i < x->n; i++) {
+	for (int k = n - 1; k-- > 0;) {
 		struct ref sum = {0};
 
-		for (int j = 0; j < i; j++)
-			sum = dag_add(d, sum, dag_mul(d, x->row[i * x->n + j], b[j]));
-		b[i] = dag_sub(d, b[i], dag_mul(d, x->over[i], sum));
+		for (int j = n; j-- > k + 1;)
+			sum = dag_add(d, sum, dag_mul(d, x->left[j * n + k], b[j]));
+		b[k] = dag_sub(d, b[k], dag_mul(d, x->over[k], sum));
 	}
+}
+
+struct ref schur_trace(const struct schur *x, int first, int count)
+{
+	struct ref sum = {0};
+
+	for (int i = first; i < first + count; i++)
+		sum = dag_add(x->d, sum, x->S[i * x->n + i]);
+	return sum;
 }

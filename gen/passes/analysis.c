@@ -81,7 +81,7 @@ enum rneagen_code pass_request_resolve(struct analysis *a)
 	return check_bound(a);
 }
 
-static enum rneagen_code refuse_singular(const struct analysis *a, int row)
+static enum rneagen_code refuse_row(const struct analysis *a, int row)
 {
 	const struct tree_joint *j = tree_joint_of_row(&a->tree, row);
 
@@ -103,12 +103,34 @@ static enum rneagen_code refuse_inverse(const struct analysis *a, const struct w
 		"opspace_inv%.255s", a->options.file, w->word, name + 1, name);
 }
 
-/* Contacts that hold what others, or the joints, hold already. */
+/* Another one on the same body; NULL: there is none. */
+static const struct contact *contact_beside(const struct request *k, const struct contact *c)
+{
+	for (int i = 0; i < k->contact_count; i++)
+		if (&k->contacts[i] != c && k->contacts[i].body == c->body)
+			return &k->contacts[i];
+	return NULL;
+}
+
+/* What holds what other contacts, before it, or the joints, hold already. */
 static enum rneagen_code refuse_contact(const struct analysis *a, const struct contact *c)
 {
+	const struct contact *other = contact_beside(&a->request, c);
+
+	if (other)
+		return error_set(a->error, RNEAGEN_TREE,
+			"%s: '%.255s' cannot stand beside '%.255s', which is on the same body: between them both hold their distance: "
+			"take --weld %.255s alone", a->options.file, c->name, other->name, a->tree.bodies[c->body].link);
 	return error_set(a->error, RNEAGEN_TREE,
 		"%s: '%.255s' cannot stand so in any state: the joints do not move it in all %d directions, or other links that "
-		"stand hold it already%s", a->options.file, c->name, c->rows, c->rows == 6 ? ": take --contact, its origin alone" : "");
+		"stand hold it already%s", a->options.file, c->name, c->rows, c->rows == 6 ? "; --contact holds its origin alone" : "");
+}
+
+static enum rneagen_code refuse_singular(const struct analysis *a, struct singular x)
+{
+	if (x.of == SINGULAR_CONTACT)
+		return refuse_contact(a, &a->request.contacts[x.number]);
+	return x.of == SINGULAR_WANT ? refuse_inverse(a, &a->request.wants[x.number]) : refuse_row(a, x.number);
 }
 
 /* In an arena of its own, which goes again. */
@@ -121,12 +143,8 @@ enum rneagen_code pass_dag_build(struct analysis *a)
 	algorithms_for(&a->request, found);
 	found[0]->build(&a->raw, &a->tree, &a->request);
 	dag_close(&a->raw);
-	if (a->raw.singular > 0)
-		return refuse_singular(a, a->raw.singular - 1);
-	if (a->raw.singular < -a->request.want_count)
-		return refuse_contact(a, &a->request.contacts[-1 - a->raw.singular - a->request.want_count]);
-	if (a->raw.singular < 0)
-		return refuse_inverse(a, &a->request.wants[-1 - a->raw.singular]);
+	if (a->raw.singular.of)
+		return refuse_singular(a, a->raw.singular);
 	if (a->raw.constant)
 		return request_refuse_constant(&a->request, &a->scene, a->raw.constant - 1, a->error);
 	return a->raw.failed ? error_memory(a->error) : RNEAGEN_OK;

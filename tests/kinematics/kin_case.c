@@ -33,7 +33,7 @@ static struct reference *open_reference(struct kin_case *c, const char *urdf, co
 static int is_a_reason(enum rneagen_code code, const char *message)
 {
 	return code == RNEAGEN_NO_JOINTS || strstr(message, "has a mass") || strstr(message, "M is singular") ||
-	       strstr(message, "articulated bodies do not serve") || strstr(message, "cannot stand so");
+	       strstr(message, "articulated bodies do not serve") || strstr(message, "cannot stand");
 }
 
 int kin_open(struct kin_case *c, const char *urdf, const char *part, const struct rneagen_options *options, uint64_t seed)

@@ -336,17 +336,21 @@ void contacts_pivots(const struct forward *x, struct ref *pairs)
 	if (!x->stands)
 		return;
 	factor(x);
-	for (int i = 0; i < x->S->n && !x->b->d->failed; i++) {
-		pairs[2 * i] = x->S->row[i * x->S->n + i];
-		pairs[2 * i + 1] = x->S->S[i * x->S->n + i];
+	for (int i = 0; i < x->b->k->contact_count && !x->b->d->failed; i++) {
+		const struct contact *c = &x->b->k->contacts[i];
+
+		for (int row = c->first; row < c->first + c->rows; row++) {
+			pairs[2 * row] = x->S->left[row * x->S->n + row];
+			pairs[2 * row + 1] = schur_trace(x->S, row < c->first + 3 ? c->first : c->first + 3, 3);
+		}
 	}
 }
 
-int contacts_singular(const struct request *k, int row)
+struct singular contacts_singular(const struct request *k, int row)
 {
 	int i = 0;
 
 	while (k->contacts[i].first + k->contacts[i].rows <= row)
 		i++;
-	return -1 - k->want_count - i;
+	return (struct singular){SINGULAR_CONTACT, i};
 }

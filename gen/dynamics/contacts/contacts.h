@@ -33,9 +33,11 @@ void contacts_solve_pulled(const struct forward *x, struct joint_inputs in, stru
 /* Write the forces that are wanted. */
 void contacts_outputs(const struct forward *x);
 
-/* A number of D of the factors, and the element that it is left of, for each row; what d->singular says of such a row. */
+/* What is left of S for each row when those before it are eliminated, and what that is compared with: how a unit force accelerates
+   the contact's point, or turns its link, summed over three axes, so that it does not depend on these. What d->singular says of
+   such a row. */
 void contacts_pivots(const struct forward *x, struct ref *pairs);
-int contacts_singular(const struct request *k, int row);
+struct singular contacts_singular(const struct request *k, int row);
 
 /* ---- forces in rows of the first output, where later kernels read them (handed.c) ---- */
 

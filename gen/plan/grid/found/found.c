@@ -10,8 +10,9 @@
    brackets values of the whole: f32: panda 96 and 134 (187), baxter 271 and 328 (234), floating panda 185 and 241 (302), floating
    hyq 340 and 347 (430), floating allegro_right 884 and 448 (513), atlas 3390 and 634 (741), g1_29dof 3370 and 686 (812); f64:
    iiwa14 129 and 202 (155), panda 209 and 245 (190), baxter 2310 and 640 (234), floating panda 1830 and 466 (302), floating hyq
-   4105 and 808 (430), atlas 9490 and 1620, g1_29dof 10420 and 1670. */
-enum { FULL_SINGLE = 450, FULL_DOUBLE = 210 };
+   4105 and 808 (430), atlas 9490 and 1620, g1_29dof 10420 and 1670. Accelerations where links stand, f64: hyq on two feet 712 and 780
+   (231), on four 3110 and 890 (404). */
+enum { FULL_SINGLE = 450, FULL_DOUBLE = 210, FULL_CONTACTS_DOUBLE = 300 };
 
 /* In aos in f32 whole samples come and go as one part, unless its code would be longer than the instruction cache: so many
    operations are. */
@@ -91,18 +92,21 @@ static int is_served(const struct parts_of *x)
 
 static int is_full(const struct parts_of *x, struct arena *a)
 {
-	return plan_alive(&x->whole->plan, a) > (x->options->precision == RNEAGEN_F32 ? FULL_SINGLE : FULL_DOUBLE);
+	int full = product_of(x) == WANT_QDD ? FULL_CONTACTS_DOUBLE : FULL_DOUBLE;
+
+	return plan_alive(&x->whole->plan, a) > (x->options->precision == RNEAGEN_F32 ? FULL_SINGLE : full);
 }
 
-/* By output, the round that stores it. The first nv are qdd; of a vjp rows from 2 nv on are mu, of a jvp the next nv are the
-   second round's. */
-static int *rounds_of(const struct dag *d, const struct parts_of *x, struct arena *a)
+/* By output, the round that stores it. The first are qdd, before these forces where they are found with it; of a vjp rows from
+   2 nv on are mu, of a jvp the next nv are the second round's. */
+static int *rounds_of(const struct dag *d, const struct parts_of *x, enum handed handed, struct arena *a)
 {
 	int nv = x->tree->nv, *round = arena_alloc(a, d->output_count + 1, sizeof *round);
+	int first = nv + (handed == HANDED_FOUND ? 2 * x->request->contact_rows : 0);
 	int is_mu_found = !x->request->contact_count || contacts_weights_fit(x->tree, x->request);
 
 	for (int i = 0; i < (int)d->output_count && round; i++)
-		round[i] = product_of(x) == WANT_JVP ? i / nv : i >= nv && (d->outputs[i].row < 2 * nv || !is_mu_found);
+		round[i] = product_of(x) == WANT_JVP ? i / nv : i >= first && (d->outputs[i].row < 2 * nv || !is_mu_found);
 	return round;
 }
 
@@ -114,7 +118,7 @@ int found_rounds(struct dag *dags, int count, const struct parts_of *x, enum han
 
 	dag_init(&raw, a);
 	algorithm_build_handed(&raw, x->tree, x->request, handed);
-	round = raw.failed ? NULL : rounds_of(&raw, x, a);
+	round = raw.failed ? NULL : rounds_of(&raw, x, handed, a);
 	if (!round || !share_begin(&share, &raw, round, a))
 		return 0;
 	for (int i = 0; i < count; i++) {

@@ -11,4 +11,7 @@ enum { FOUND_START, FOUND_REST, FOUND_ROUNDS };
    runs out. */
 int found_limbs_make(struct part **rounds, const struct part *parts, int count, const struct parts_of *x, struct arena *a);
 
+/* Up to how many samples limbs of the whole are launched, where no round has its own. */
+void found_limbs_beside(struct limbs *whole, const struct part *parts, int count, const struct rneagen_options *o);
+
 #endif
