@@ -62,6 +62,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --fold NAME=VALUE          an input that is known: qdd=0, qd.JOINT=0, tau=0, gravity=0,0,0\n"                      \
 	"  --free N1,N2,...           constants that become inputs: gravity, mass.LINK, inertia.LINK, payload.LINK,\n" \
 	"                             offset.JOINT; armature, damping, friction, of all joints, or damping.JOINT;\n"   \
+	"                             accel.LINK of one that stands;\n"                                                        \
 	"                             NAME:batch one for all samples, NAME:sample one for each\n"                      \
 	"  --want N1,N2,...           what is computed: tau, gravity, bias, wrench.JOINT, twist.LINK, accel.LINK, power,\n" \
 	"                             kinetic, potential, regressor, dtau_dq, dtau_dqd, M, jvp, vjp; dtau_dNAME by what\n" \
@@ -88,8 +89,8 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"                             7 %, else urdf\n"                                                                    \
 	"  --pose rows|quaternion     pose.LINK: the rows of [R p], unless given; or p, then x y z w\n"               \
 	"  --frame link|world|world-aligned\n"                                                                       \
-	"                             of jacobian.LINK, djacobian.LINK, opspace.LINK and contact.LINK: the link's, unless\n" \
-	"                             given; the world's; the world's axes at the link's origin\n"                               \
+	"                             of jacobian.LINK, djacobian.LINK, opspace.LINK, contact.LINK, weld.LINK and --free\n" \
+	"                             accel.LINK: the link's, unless given; the world's; the world's axes at the link's origin\n"                               \
 	"  --add-frame NAME=LINK,X,Y,Z,R,P,Y\n"                                                                      \
 	"                             a frame on a link, which --want takes where it takes a link\n"                 \
 	"  --refine 0|1|1:f64|1:f32x2|1:same\n"                                                                      \

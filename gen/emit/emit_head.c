@@ -98,6 +98,20 @@ static void put_joint_row(const struct tree_joint *j, struct text *out)
 	text_put(out, j->type == JOINT_PRISMATIC ? ", m\n" : j->nq == 1 ? ", rad\n" : "\n");
 }
 
+/* Links that stand, what the equations of motion are then. */
+static void put_contacts(const struct emission *e, struct text *out)
+{
+	const struct request *k = e->request;
+
+	if (k->contact_count)
+		text_put(out, " *\n * Links stand: M qdd = tau - bias + J'f, J qdd + dJ/dt qd = 0, with J of\n");
+	for (int i = 0; i < k->contact_count; i++) {
+		text_put(out, " *   \"");
+		text_put_comment(out, k->contacts[i].name);
+		text_put(out, k->contacts[i].rows == 6 ? "\", the whole link\n" : "\", its origin\n");
+	}
+}
+
 static void put_joints(const struct emission *e, struct text *out)
 {
 	text_put(out, " *\n * Joints:\n");
@@ -332,6 +346,7 @@ const char *emit_banner(const struct emission *e)
 	put_counts(e, out);
 	put_cuts(e, out);
 	emit_kernels_head(e, out);
+	put_contacts(e, out);
 	put_joints(e, out);
 	text_put(out, e->told ? e->told : "");
 	put_conventions(e, out);

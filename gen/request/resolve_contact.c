@@ -30,14 +30,36 @@ const struct contact *request_contact_of(const struct request *k, const struct w
 	return want_is(w->kind, OF_CONTACT) ? request_find_contact(k, strchr(w->word, '.') + 1, w->rows) : NULL;
 }
 
+static int are_equal(const struct placement *a, const struct placement *b)
+{
+	for (int i = 0; i < 3; i++)
+		for (int j = 0; j < 3; j++)
+			if (a->p[i].x != b->p[i].x || a->R.m[i][j].x != b->R.m[i][j].x)
+				return 0;
+	return 1;
+}
+
+/* The contact that has the want's place by another name: a joint's, or another link's on the same spot. */
+static const struct contact *find_place(const struct request *k, const struct want *w)
+{
+	for (int i = 0; i < k->contact_count; i++)
+		if (k->contacts[i].body == w->body && are_equal(&k->contacts[i].X, &w->X))
+			return &k->contacts[i];
+	return NULL;
+}
+
 enum rneagen_code request_check_force(const struct resolver *x, const struct scene_choice *c, const struct want *w)
 {
 	const char *name = strchr(c->name, '.');
-	const struct contact *stands = name ? request_find_contact(x->k, name + 1, 0) : NULL;
+	const struct contact *stands = name ? request_find_contact(x->k, name + 1, 0) : NULL, *alias;
 	const char *other = w->kind == WANT_WELD ? "contact" : "weld";
 
 	if (!want_is(w->kind, OF_CONTACT) || (stands && stands->rows == want_type(w->kind)->rows))
 		return RNEAGEN_OK;
+	alias = stands ? NULL : find_place(x->k, w);
+	if (alias)
+		return scene_refuse(x->s, c, x->e, "'%.255s' stands as '%.255s': want %s.%.255s", name + 1, alias->name,
+			alias->rows == 6 ? "weld" : "contact", alias->name);
 	if (stands)
 		return scene_refuse(x->s, c, x->e, "'%.255s' stands by --%s: want %s.%.255s", name + 1, other, other, name + 1);
 	return scene_refuse(x->s, c, x->e, "'%.255s' does not stand in this scene: --%s %.255s", name + 1,
@@ -61,10 +83,12 @@ static enum rneagen_code check_wants(const struct resolver *x)
 	for (int i = 0; i < k->want_count; i++) {
 		enum want_kind kind = k->wants[i].kind;
 
-		if (kind == WANT_QDD_BOUND || kind == WANT_MINV)
-			return scene_refuse(x->s, first_contact(x), x->e, kind == WANT_MINV
-				? "'%.255s' is of the robot that nothing holds: derivatives by tau of links that stand are of --jvp and --vjp"
-				: "'%.255s' speaks of no links that stand: leave one of the two out", k->wants[i].word);
+		if (kind == WANT_MINV)
+			return scene_refuse(x->s, first_contact(x), x->e, "'%.255s' is of the robot that nothing holds: derivatives by tau "
+				"of links that stand are of --jvp and --vjp", k->wants[i].word);
+		if (kind == WANT_QDD_BOUND || want_is(kind, IS_OPSPACE))
+			return scene_refuse(x->s, first_contact(x), x->e, "'%.255s' speaks of no links that stand: leave one of the two out",
+				k->wants[i].word);
 	}
 	return RNEAGEN_OK;
 }

@@ -40,11 +40,17 @@ static const struct refusal {
 	{"hyq", "contact lf_foot\nwant qdd,weld.lf_foot\n", "want contact.lf_foot"},
 	{"hyq", "contact lf_foot\nwant qdd,Minv\n", "'Minv' is of the robot that nothing holds"},
 	{"hyq", "contact lf_foot\nwant qdd,qdd_bound\n", "'qdd_bound'"},
+	{"hyq", "contact lf_foot\nwant qdd,opspace_inv.rf_foot\n", "'opspace_inv.rf_foot' speaks of no links that stand"},
+	{"hyq", "contact lf_foot\nwant qdd,contact.lf_kfe_joint\n", "'lf_kfe_joint' does not stand in this scene"},
+	{"hyq", "contact lf_lowerleg\nwant qdd,contact.lf_kfe_joint\n", "'lf_kfe_joint' stands as 'lf_lowerleg': want contact.lf_lowerleg"},
+	{"panda", "add-frame left=panda_hand,0,0.1,0,0,0,0\nadd-frame right=panda_hand,0,-0.1,0,0,0,0\ncontact left,right\nwant qdd\n",
+		"take --weld"},
 	{"hyq", "contact lf_foot\nwant qdd\nframe world\n", "world-aligned"},
 	{"hyq", "contact lf_foot\nwant qdd,dqdd_dq\nderivatives recursion\n", "forward"},
 	{"hyq", "contact lf_foot\nwant qdd\nfree accel.rf_foot\n", "'rf_foot' does not stand"},
 	{"hyq", "weld lf_foot\nwant qdd\n", "'lf_foot' cannot stand so in any state"}, /* a leg on the ground has three joints */
-	{"panda", "contact panda_hand,panda_link7,panda_link6\nwant qdd\n", "hold it already"},
+	{"panda", "contact panda_hand,panda_link7,panda_link6\nwant qdd\n", "'panda_link7' cannot stand beside 'panda_hand'"},
+	{"panda", "contact panda_hand,panda_link6,panda_link5\nwant qdd\n", "hold it already"},
 	{"panda", "contact panda_link0\nwant qdd\n", "'panda_link0' does not move"},
 };
 enum { COUNT = sizeof REFUSALS / sizeof *REFUSALS };

@@ -20,7 +20,7 @@ from ._gradient import FREED, PARTS
 VECTORS = ("joint_torque", "gravity_torque")  # outputs that are forces
 MATRICES = ("mass_matrix", "mass_matrix_inverse")
 OTHERS = ("power", "kinetic_energy", "potential_energy", "link_twist", "link_acceleration", "joint_wrench", "body_twists",
-          "link_pose", "center_of_mass", "center_of_mass_velocity", "momentum", "momentum_rate")
+          "link_pose", "center_of_mass", "center_of_mass_velocity", "momentum", "momentum_rate", "contact_force", "contact_wrench")
 
 
 def native_position(xp, q):
@@ -90,7 +90,7 @@ class MuJoCo:
         self.refuse_given()
         for array in (*native.inputs, *native.outputs):
             good = (*VECTORS, *MATRICES, *OTHERS, "joint_acceleration") if array.is_output else \
-                (*PARTS, *FREED, "link_wrench")
+                (*PARTS, *FREED, "link_wrench", "contact_acceleration")
             if array.role not in good:
                 raise ValueError(f"convention 'mujoco' has no {array.word} of a floating base; take 'pinocchio'")
             if array.is_output and array.role in MATRICES and native.sparse:

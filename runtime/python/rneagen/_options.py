@@ -15,6 +15,8 @@ COUNTED = {"parts": ("auto",), "segments": ("auto", "whole"), "limbs": ("auto", 
 TEXT = ("target", "layout", "name", "bounded", "only", *COUNTED)  # what kind of text
 OPEN = ("backend", "device", "threads", "block", "cache")  # where it runs
 ASKED = ("want", "jvp", "vjp", "by")  # what is computed: robots with other outputs have others
+STANDING = ("contact", "weld")  # of accelerations alone
+FOUND = ("qdd", "qdd_bound", "Minv", "dqdd_", "contact.", "weld.")  # words, or how they begin, of outputs that find qdd
 NEEDED = {"want": "output", "tip": "link", "lock_all_but": "joint", "order": "joint"}  # of which a list of nothing is refused
 
 
@@ -121,6 +123,10 @@ def owned(keyword: str, x: Any) -> Any:
     if hasattr(x, "tolist"):  # of NumPy and its like
         return x.tolist()
     return [owned(keyword, one) for one in ordered(keyword, x)] if isinstance(x, Iterable) else x
+
+
+def finds_qdd(word: Any) -> bool:
+    return any(str(word).startswith(name) if name[-1] in "._" else word == name for name in FOUND)
 
 
 def refuse_nothing(options: dict[str, Any]) -> None:

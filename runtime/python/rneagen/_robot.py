@@ -396,7 +396,8 @@ class Robot(_core.Robot):
         """The robot with other outputs, by the words of --want: "tau", "M", "bias", "gravity", "dtau_dq", "qdd",
         "Minv", "wrench.JOINT", ... Several outputs come as a named tuple. Matrices are (..., nv, nv), Jacobians (...,
         6, nv), with sparse=True of type rneagen.Sparse; poses are [R p], (..., 3, 4). The same names again give the
-        same robot, so that robot.want("M", "bias")(q, qd) may stand in a loop.
+        same robot, so that robot.want("M", "bias")(q, qd) may be called in a loop. Where nothing is found of qdd, no link
+        stands: contact= and weld= are of accelerations.
 
             robot.want("tau", vjp=["tau", "pose.hand"])(q, qd, qdd, vjp_v)
 
@@ -424,6 +425,8 @@ class Robot(_core.Robot):
         with self._lock:
             options = {**dict.fromkeys(_options.ASKED), "want": list(names), "sparse": sparse or None,
                        "fold": self._folds(fold), **{k: list(x) for k, x in products}}
+            if not any(_options.finds_qdd(word) for word in (*names, *(word for _, x in products for word in x))):
+                options.update(self._standing_apart())
             return self._wanted.setdefault(key, self._with(**options))
 
     def _folds(self, more: tuple[str, ...] = (), without: str = "") -> list[str] | None:
@@ -432,6 +435,12 @@ class Robot(_core.Robot):
                if not pair.startswith((f"{without}=", f"{without}."))]
         known = {pair.partition("=")[0] for pair in own}
         return [*own, *(pair for pair in more if pair.partition("=")[0] not in known)] or None
+
+    def _standing_apart(self) -> dict[str, Any]:
+        """Without links that stand: these are of accelerations alone."""
+        free = _options.names("free", self._options.get("free") or [])
+        moved = [name for name in free if not name.startswith("accel.")]
+        return {**dict.fromkeys(_options.STANDING), **({"free": moved or None} if moved != free else {})}
 
     def _unfolded(self, name: str) -> "Robot":
         """Without what is known of an input."""
@@ -444,7 +453,7 @@ class Robot(_core.Robot):
         """With other keywords: in place of the same lines of a scene's file."""
         scene = self._options.get("scene")
         if scene:
-            options["scene"] = scene.without(word for word in (*_options.ASKED, "free") if word in options)
+            options["scene"] = scene.without(word for word in (*_options.ASKED, *_options.STANDING, "free") if word in options)
         return Robot(self._urdf, self._file, {**self._options, **options})
 
     def random(self, n: int | None = None, seed: int = 1, dtype=None):
@@ -541,7 +550,8 @@ def load(urdf: str | os.PathLike | bytes, **keywords: Unpack[Keywords]) -> Robot
     add_frame={"tool": ("hand", 0, 0, 0.1, 0, 0, 0)}  a frame on a link: x y z, m, roll pitch yaw, rad; then want="pose.tool"
     pose="quaternion", frame="world-aligned"          how pose.LINK is written, and in which frame jacobian.LINK is
     free=["payload.hand"]         constants that become inputs; fext=["foot"] external wrenches
-    contact=["foot"]              origins of links that stand; weld=["foot"] whole links; then want=["qdd", "contact.foot"]
+    contact=["foot"]              origins of links that stand; weld=["foot"] whole links; then want=["qdd", "contact.foot"]; with
+                                  free=["accel.foot"] they accelerate as that input says
     gravity=(0, 0, -9.81)         m/s^2, in the world
     precision="f32"               f32, f64, mixed, f32x2; unless given as the arrays are: float32 or float64
     trig="accurate", strict=False, mimic="honour", order=[...], params="auto", damping=True, friction=0.01
