@@ -2,6 +2,7 @@
 #include "passes/analysis.h"
 #include "rneagen.h"
 #include "support/exhaustive.h"
+#include "support/read.h"
 #include "support/suite.h"
 #include "support/urdf_text.h"
 #include <stdio.h>
@@ -162,6 +163,58 @@ START_TEST(every_request_of_a_scene)
 }
 END_TEST
 
+static const char *robot;
+
+static enum rneagen_code generate_robot(const struct rneagen_options *o, struct rneagen_error *e)
+{
+	struct rneagen_result r;
+
+	if (!rneagen_generate(robot, strlen(robot), o, &r, e))
+		rneagen_result_free(&r);
+	return e->code;
+}
+
+static long refuse(const struct rneagen_options *options, long refused, int for_good, enum rneagen_code *code)
+{
+	struct warden w = {.refused = refused, .for_good = for_good};
+	struct rneagen_allocator allocator = {warden_alloc, warden_release, &w};
+	struct rneagen_options o = *options;
+	struct rneagen_error e;
+
+	o.allocator = &allocator;
+	*code = generate_robot(&o, &e);
+	ck_assert_msg(w.out == 0, "request %ld refused: %ld blocks left", refused, w.out);
+	return w.requests;
+}
+
+enum { KERNELS = 6 };
+
+/* Kernels one after the other, of a robot that is large enough for these: some requests of each text. */
+START_TEST(kernels)
+{
+	static const char *const scenes[KERNELS] = {"want qdd", "vjp qdd", "jvp qdd", "want qdd\ncontact lf_foot,rh_foot,lh_foot",
+		"vjp qdd\ncontact lf_foot,rh_foot", "vjp qdd\ncontact lf_foot,rf_foot,lh_foot,rh_foot"};
+	struct rneagen_options o = rneagen_options_default();
+	char *text = robot_text("hyq");
+	enum rneagen_code code;
+	long requests, count = exhaustive() ? 20 : sanitized() ? 2 : 6;
+
+	robot = text;
+	o.target = RNEAGEN_TARGET_CUDA;
+	o.precision = RNEAGEN_F64;
+	o.base = RNEAGEN_FLOATING;
+	o.scene = by_urdf(scenes[_i]);
+	requests = refuse(&o, -1, 0, &code);
+	ck_assert_int_eq(code, RNEAGEN_OK);
+	for (long k = 1; k <= count; k++) {
+		refuse(&o, requests * (3 * k - 1) / (3 * count), (int)(k % 2), &code);
+		ck_assert_int_eq(code, RNEAGEN_MEMORY);
+	}
+	printf("%ld of %ld requests refused\n", count, requests);
+	free(text);
+}
+END_TEST
+
 int main(void)
 {
 	Suite *suite = suite_create("memory");
@@ -171,6 +224,7 @@ int main(void)
 	tcase_set_timeout(c, 300);
 	tcase_add_loop_test(c, every_request, 0, DUMPS + RNEAGEN_DUMP_PARAMS);
 	tcase_add_loop_test(c, every_request_of_a_scene, 0, 12);
+	tcase_add_loop_test(c, kernels, 0, KERNELS);
 	suite_add_tcase(suite, c);
 	return suite_run(suite);
 }

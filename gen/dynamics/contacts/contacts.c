@@ -52,11 +52,10 @@ void contacts_entered(const struct tour *r, int body)
 			accelerate(r, &b->k->contacts[i]);
 }
 
-/* What forces, by row of contacts, pull at a body with, in its frame and about its origin. */
-static void wrench_of(const struct build *b, const struct frame *x, const struct contact *c, const struct ref *forces,
-	struct svec *f, struct svec *n)
+/* What the force of a contact, its rows, pulls at the body with, in the body's frame and about its origin. */
+static void wrench_of(const struct build *b, const struct frame *x, const struct contact *c, const struct ref *of, struct svec *f,
+	struct svec *n)
 {
-	const struct ref *of = forces + c->first;
 	int in_world = b->k->frame != FRAME_LINK;
 
 	*f = want_turn(b->d, x, &c->X, in_world, (struct svec){{of[0], of[1], of[2]}});
@@ -75,7 +74,7 @@ void contacts_pull(const struct tour *r, int body)
 
 		if (b->k->contacts[i].body != body)
 			continue;
-		wrench_of(b, x, &b->k->contacts[i], b->forces, &f, &n);
+		wrench_of(b, x, &b->k->contacts[i], b->forces + b->k->contacts[i].first, &f, &n);
 		x->f = svec_sub(r->d, x->f, f);
 		x->n = svec_sub(r->d, x->n, n);
 	}
@@ -145,19 +144,16 @@ static void reduce_by_factors(struct forward *x)
 /* Unit forces on a contact, in its body's frame and about that body's origin. */
 static void begin_units(struct forward *x, const struct contact *c)
 {
-	struct contact alone = *c;
-
-	alone.first = 0;
 	for (int row = 0; row < c->rows; row++) {
 		struct ref unit[6] = {{0}};
 
 		unit[row] = dag_const(x->b->d, 1);
-		wrench_of(x->b, &x->tour.frames[c->body + 1], &alone, unit, &x->unit_f[c->first + row], &x->unit_n[c->first + row]);
+		wrench_of(x->b, &x->tour.frames[c->body + 1], c, unit, &x->unit_f[c->first + row], &x->unit_n[c->first + row]);
 	}
 }
 
-/* Is the body on the way from the contact to the base? */
-static int carries(const struct tree *t, int body, const struct contact *c)
+/* Is the body on the way from the contact to the base? Parents have smaller numbers. */
+static int is_on_chain(const struct tree *t, int body, const struct contact *c)
 {
 	int k = c->body;
 
@@ -189,7 +185,7 @@ void contacts_left(struct forward *x, int body)
 	for (int i = 0; i < k->contact_count; i++) {
 		if (k->contacts[i].body == body)
 			begin_units(x, &k->contacts[i]);
-		if (carries(t, body, &k->contacts[i]))
+		if (is_on_chain(t, body, &k->contacts[i]))
 			reduce_units(x, &k->contacts[i], body);
 	}
 	for (int i = iv; i < iv + joint_nv(t->bodies[body].type) && !x->b->d->failed; i++)
@@ -204,8 +200,10 @@ void contacts_begin(struct forward *x)
 	size_t rows = (size_t)x->b->k->contact_rows;
 
 	x->S = arena_alloc(d->arena, 1, sizeof *x->S);
-	x->unit_f = arena_alloc(d->arena, rows, sizeof *x->unit_f);
-	x->unit_n = arena_alloc(d->arena, rows, sizeof *x->unit_n);
+	if (x->b->dynamics == DYNAMICS_ARTICULATED) {
+		x->unit_f = arena_alloc(d->arena, rows, sizeof *x->unit_f);
+		x->unit_n = arena_alloc(d->arena, rows, sizeof *x->unit_n);
+	}
 	d->failed |= d->arena->failed;
 	if (x->S)
 		schur_begin(x->S, d, (int)rows, x->b->t->nv);
@@ -252,7 +250,7 @@ static void expand_by_bodies(const struct forward *x, struct ref *rhs, const str
 		const struct contact *c = &b->k->contacts[i];
 		struct svec of, about;
 
-		wrench_of(b, &x->tour.frames[c->body + 1], c, forces, &of, &about);
+		wrench_of(b, &x->tour.frames[c->body + 1], c, forces + c->first, &of, &about);
 		f[c->body] = svec_add(b->d, f[c->body], of);
 		n[c->body] = svec_add(b->d, n[c->body], about);
 	}
@@ -333,7 +331,7 @@ void contacts_outputs(const struct forward *x)
 
 void contacts_pivots(const struct forward *x, struct ref *pairs)
 {
-	if (!x->stands)
+	if (!x->stands || x->b->d->failed)
 		return;
 	factor(x);
 	for (int i = 0; i < x->b->k->contact_count && !x->b->d->failed; i++) {

@@ -9,7 +9,7 @@
    force has these rows. The base's come last: a kernel may write these before the joints' (plan/grid/base_first.h). */
 static int free_row(const struct tree *t, const struct contact *c, unsigned char *taken)
 {
-	for (int k = c->body; k > 0; k = t->bodies[k].parent)
+	for (int k = c->body; k >= 0 && t->bodies[k].type != JOINT_FLOATING; k = t->bodies[k].parent)
 		for (int i = t->bodies[k].iv + joint_nv(t->bodies[k].type); i-- > t->bodies[k].iv;)
 			if (!taken[i])
 				return i;
