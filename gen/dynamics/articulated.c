@@ -274,6 +274,20 @@ static void solve_back(const struct articulated *x, int body, struct pair *p, st
 	to->angular = svec_add(d, to->angular, svec_add_cross(d, own.angular, at->p, own.linear));
 }
 
+/* Of a body, or the world, -1, and all beyond it, limb after limb as the tour goes: of one nothing but its sum waits when the
+   next one begins. */
+static void solve_beyond(const struct articulated *x, int body, struct pair *p, struct ref *b, struct ref *half)
+{
+	const struct tree *t = x->r->t;
+	int end = body < 0 ? t->body_count : tree_end(t, body);
+
+	for (int k = body + 1; k < end; k++)
+		if (t->bodies[k].parent == body)
+			solve_beyond(x, k, p, b, half);
+	if (body >= 0)
+		solve_back(x, body, p, b, half);
+}
+
 /* The parent's acceleration at the body's origin, in the body's frame. */
 static struct pair into(const struct tour *r, int body, const struct pair *from)
 {
@@ -323,8 +337,7 @@ void articulated_solve(const struct articulated *x, struct ref *b, const struct 
 	}
 	for (int k = 0; k < t->body_count && f; k++)
 		p[k] = (struct pair){n[k], f[k]};
-	for (int k = t->body_count - 1; k >= 0; k--)
-		solve_back(x, k, p, b, NULL);
+	solve_beyond(x, -1, p, b, NULL);
 	for (int k = 0; k < t->body_count; k++)
 		solve_out(x, k, a, b);
 }
@@ -341,8 +354,7 @@ void articulated_halve(const struct articulated *x, const struct ref *b, struct 
 	}
 	for (int i = 0; i < t->nv; i++)
 		copy[i] = b[i];
-	for (int k = t->body_count - 1; k >= 0; k--)
-		solve_back(x, k, p, copy, y);
+	solve_beyond(x, -1, p, copy, y);
 }
 
 /* p - U D^-1 u; nothing of it is along the axis of a joint that moves freely. */

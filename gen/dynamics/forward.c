@@ -20,7 +20,7 @@ void forward_enter(const struct tour *r, int body)
 /* M itself, for its factors or to bound an error with. */
 static int takes_mass(const struct build *b)
 {
-	return b->dynamics != DYNAMICS_ARTICULATED || b->pivots_alone || request_wants(b->k, WANT_QDD_BOUND);
+	return b->ways.dynamics != DYNAMICS_ARTICULATED || b->ways.pivots_alone || request_wants(b->k, WANT_QDD_BOUND);
 }
 
 static void left(const struct tour *r, int body)
@@ -28,9 +28,9 @@ static void left(const struct tour *r, int body)
 	struct build *b = r->context;
 	struct forward *x = b->factored;
 
-	if (b->dynamics == DYNAMICS_ARTICULATED)
+	if (b->ways.dynamics == DYNAMICS_ARTICULATED)
 		articulated_leave(&x->bodies, body, &x->singular);
-	if (b->dynamics == DYNAMICS_ARTICULATED && x->stands && x->singular < 0 && !r->d->failed)
+	if (b->ways.dynamics == DYNAMICS_ARTICULATED && x->stands && x->singular < 0 && !r->d->failed)
 		contacts_left(x, body);
 	if (takes_mass(b))
 		recursion_leave(&x->mass, body);
@@ -93,19 +93,19 @@ void forward_factor(struct forward *x, struct build *b, struct joint_inputs in)
 	x->tour.own_terms = own_terms;
 	if (x->stands)
 		contacts_begin(x);
-	if (b->dynamics == DYNAMICS_ARTICULATED)
+	if (b->ways.dynamics == DYNAMICS_ARTICULATED)
 		articulated_begin(&x->bodies, &x->tour);
 	if (takes_mass(b))
 		recursion_begin(&x->mass, &x->tour, nowhere);
-	x->mass.is_in_lanes = b->loops && b->loops->is_in_lanes;
+	x->mass.is_in_lanes = b->ways.loops && b->ways.loops->is_in_lanes;
 	if (d->failed || !pattern_coupled(&x->coupled, b->t, 0, b->k->dense, d->arena)) {
 		d->failed = 1;
 		return;
 	}
 	tour_run(&x->tour);
-	dag_section(d, !b->k->is_forward ? SECTION_FACTORED : b->dynamics == DYNAMICS_ARTICULATED ? SECTION_ARTICULATED
+	dag_section(d, !b->k->is_forward ? SECTION_FACTORED : b->ways.dynamics == DYNAMICS_ARTICULATED ? SECTION_ARTICULATED
 		: SECTION_FACTORS, 0);
-	if (b->dynamics != DYNAMICS_ARTICULATED && !d->failed)
+	if (b->ways.dynamics != DYNAMICS_ARTICULATED && !d->failed)
 		factor(x, d);
 	if (x->singular >= 0) {
 		d->failed = 1;
@@ -123,8 +123,8 @@ void forward_find(struct forward *x, struct build *b, struct joint_inputs in)
 	forward_factor(x, b, in);
 	b->forward = x;
 	x->qdd = arena_alloc(d->arena, (size_t)contacts_found(b), sizeof *x->qdd);
-	x->looped = b->loops ? arena_alloc(d->arena, DAG_ARGUMENTS * (size_t)nv, 1) : NULL;
-	if (!x->qdd || (b->loops && !x->looped))
+	x->looped = b->ways.loops ? arena_alloc(d->arena, DAG_ARGUMENTS * (size_t)nv, 1) : NULL;
+	if (!x->qdd || (b->ways.loops && !x->looped))
 		d->failed = 1;
 	for (int i = 0; i < nv && !d->failed; i++)
 		x->qdd[i] = dag_sub(d, source_row(d, &x->torques, i), x->tour.tau[i]);
@@ -162,7 +162,7 @@ void forward_pivots(const struct forward *x, struct joint_inputs in)
 	if (!pairs)
 		d->failed = 1;
 	for (int i = 0; i < nv && !d->failed; i++) {
-		int is_articulated = b->dynamics == DYNAMICS_ARTICULATED, row = is_articulated ? i : x->M.row[i];
+		int is_articulated = b->ways.dynamics == DYNAMICS_ARTICULATED, row = is_articulated ? i : x->M.row[i];
 		const struct tree_joint *j = tree_joint_of_row(b->t, row);
 
 		pairs[2 * row] = is_articulated ? x->bodies.bodies[j->body].D.D[row - j->iv] : x->M.D[i];
@@ -186,7 +186,7 @@ void forward_solve(const struct forward *x, struct ref *rhs)
 		return;
 	if (x->stands)
 		contacts_solve(x, rhs);
-	else if (x->b->dynamics == DYNAMICS_ARTICULATED)
+	else if (x->b->ways.dynamics == DYNAMICS_ARTICULATED)
 		articulated_solve(&x->bodies, rhs, NULL, NULL);
 	else
 		factor_solve(&x->M, rhs);
@@ -197,7 +197,7 @@ void forward_inverse(const struct forward *x, struct ref *X)
 	struct dag *d = x->b->d;
 	int nv = x->b->t->nv;
 
-	if (x->b->dynamics != DYNAMICS_ARTICULATED) {
+	if (x->b->ways.dynamics != DYNAMICS_ARTICULATED) {
 		factor_inverse(&x->M, X);
 		return;
 	}
@@ -215,8 +215,8 @@ static void output_column(const struct forward *x, const struct ref *column, int
 	int nv = x->b->t->nv;
 
 	for (int i = 0; i < nv; i++)
-		if (x->coupled.row[i * nv + j] >= 0 && (!is_left || loops_read(x->b->loops, nv, i, j)) &&
-			!(x->b->way && way_back_makes(x->b->t, i, j)))
+		if (x->coupled.row[i * nv + j] >= 0 && (!is_left || loops_read(x->b->ways.loops, nv, i, j)) &&
+			!(x->b->ways.way && way_back_makes(x->b->t, i, j)))
 			dag_output(x->b->d, argument, x->coupled.row[i * nv + j], column[i]);
 }
 
@@ -242,14 +242,14 @@ static int is_zero(const struct ref *column, int n)
 
 static int is_looped(const struct forward *x, int j)
 {
-	return x->looped && x->b->loops->first[j] >= 0;
+	return x->looped && x->b->ways.loops->first[j] >= 0;
 }
 
 void forward_column(const struct forward *x, struct ref *column, int j, int argument)
 {
-	int is_left = is_looped(x, j) && (x->b->way || !is_zero(column, x->b->t->nv));
+	int is_left = is_looped(x, j) && (x->b->ways.way || !is_zero(column, x->b->t->nv));
 
-	if (is_left && x->b->loops->rooms) {
+	if (is_left && x->b->ways.loops->rooms) {
 		dag_section(x->b->d, SECTION_BY, tree_joint_of_row(x->b->t, j)->body);
 		forward_leave_column(x, column, j, argument);
 	} else {

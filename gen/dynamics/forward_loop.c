@@ -47,7 +47,7 @@ static int is_second(const struct build *b, int argument)
 /* Which of a loop's columns it is, if none is left out: those of the first gradient come first. */
 static int place_of(const struct forward *x, int j, int argument)
 {
-	const struct loops *l = x->b->loops;
+	const struct loops *l = x->b->ways.loops;
 
 	return rows_before(l, l->first[j], j) + (is_second(x->b, argument) ? l->rooms[l->first[j]].rows : 0);
 }
@@ -55,13 +55,13 @@ static int place_of(const struct forward *x, int j, int argument)
 void forward_leave_column(const struct forward *x, const struct ref *column, int j, int argument)
 {
 	struct dag *d = x->b->d;
-	const int *first = x->b->loops->first;
-	const struct column_room *r = &x->b->loops->rooms[first[j]];
+	const int *first = x->b->ways.loops->first;
+	const struct column_room *r = &x->b->ways.loops->rooms[first[j]];
 	int nv = x->b->t->nv, row = r->first + place_of(x, j, argument), columns = dag_find_argument(d, COLUMNS);
 
 	for (int i = 0; i < nv; i++) {
 		if (first[i] == first[j]) {
-			if (!x->b->way || column[i].i) /* the array is zero before */
+			if (!x->b->ways.way || column[i].i) /* the array is zero before */
 				dag_output(d, columns, row, column[i]);
 			row += r->room;
 		} else if (x->coupled.row[i * nv + j] >= 0) { /* zero, in a dense matrix */
@@ -72,15 +72,15 @@ void forward_leave_column(const struct forward *x, const struct ref *column, int
 
 void forward_tell_matrices(const struct build *b, const int *arguments)
 {
-	int has_room = b->loops && b->loops->rooms;
+	int has_room = b->ways.loops && b->ways.loops->rooms;
 
-	if (!b->way)
+	if (!b->ways.way)
 		return;
 	for (enum by m = BY_Q; m <= BY_QD; m++) {
-		b->way->matrix[m].argument = arguments[m] >= 0 ? arguments[m] : has_room ? dag_find_argument(b->d, COLUMNS) : b->solved[m];
-		b->way->matrix[m].first = has_room && is_second(b, b->solved[m]) ? b->loops->rooms[0].rows : 0;
+		b->ways.way->matrix[m].argument = arguments[m] >= 0 ? arguments[m] : has_room ? dag_find_argument(b->d, COLUMNS) : b->solved[m];
+		b->ways.way->matrix[m].first = has_room && is_second(b, b->solved[m]) ? b->ways.loops->rooms[0].rows : 0;
 	}
-	b->way->is_negated = b->loops && b->loops->is_in_place;
+	b->ways.way->is_negated = b->ways.loops && b->ways.loops->is_in_place;
 }
 
 /* A row of an array has room for so many columns more as fill the last vectors. */
@@ -95,7 +95,7 @@ static int *gaps_of(const struct forward *x, const struct column_room *r, int le
 	int nv = x->b->t->nv, *gaps = arena_alloc(x->b->d->arena, (size_t)r->room + 1, sizeof *gaps);
 
 	for (int k = 0; k < DAG_ARGUMENTS * nv && gaps; k++)
-		if (x->looped[k] && x->b->loops->first[k % nv] == leader)
+		if (x->looped[k] && x->b->ways.loops->first[k % nv] == leader)
 			gaps[place_of(x, k % nv, k / nv)] = 1;
 	for (int place = 0, gap = 0; place <= r->room && gaps; place++) {
 		int is_there = gaps[place];
@@ -126,13 +126,13 @@ static void close_up(const struct forward *x, struct column_room *r, int leader)
 /* The row with which a loop's columns begin. */
 static int first_row(const struct forward *x, int leader)
 {
-	return x->b->loops->rooms ? leader : first_coupled(&x->coupled, leader);
+	return x->b->ways.loops->rooms ? leader : first_coupled(&x->coupled, leader);
 }
 
 /* Element (i, j) stands as far behind the first one as in any other column; -1: it is no part of the loop. */
 static int element_row(const struct forward *x, int leader, int i)
 {
-	const struct loops *l = x->b->loops;
+	const struct loops *l = x->b->ways.loops;
 	const int *at = x->coupled.row;
 	int nv = x->b->t->nv;
 
@@ -146,14 +146,14 @@ static struct ref signed_input(const struct forward *x, int loop, int row)
 {
 	struct ref e = dag_input(x->b->d, DAG_COLUMN + loop, row);
 
-	return x->b->loops->rooms ? dag_neg(x->b->d, e) : e;
+	return x->b->ways.loops->rooms ? dag_neg(x->b->d, e) : e;
 }
 
 /* A loop over the columns that have `leader`, which it reads; returns its number, -1 where d->failed is set. */
 static int begin_loop(const struct forward *x, int leader, struct ref *column)
 {
 	struct dag *d = x->b->d;
-	const struct loops *l = x->b->loops;
+	const struct loops *l = x->b->ways.loops;
 	struct column_room *room = l->rooms ? &l->rooms[leader] : NULL;
 	int nv = x->b->t->nv, loop;
 
@@ -225,7 +225,7 @@ static int has_columns(const struct forward *x, int leader)
 	int nv = x->b->t->nv;
 
 	for (int k = 0; k < DAG_ARGUMENTS * nv; k++)
-		if (x->looped[k] && x->b->loops->first[k % nv] == leader)
+		if (x->looped[k] && x->b->ways.loops->first[k % nv] == leader)
 			return 1;
 	return 0;
 }
@@ -254,9 +254,9 @@ static int is_halved(const struct forward *x)
 	int nv = x->b->t->nv, loops = 0;
 
 	for (int i = 0; i < nv; i++)
-		loops += x->b->loops->first[i] == i && has_columns(x, i);
-	return x->b->loops->is_relay && x->coupled.rows == nv * nv && loops < DAG_LOOPS &&
-		(loops - 1) * operations(&x->b->loops->related, &x->coupled, 0) / 2 >= HALVED_LEAST;
+		loops += x->b->ways.loops->first[i] == i && has_columns(x, i);
+	return x->b->ways.loops->is_relay && x->coupled.rows == nv * nv && loops < DAG_LOOPS &&
+		(loops - 1) * operations(&x->b->ways.loops->related, &x->coupled, 0) / 2 >= HALVED_LEAST;
 }
 
 void forward_loop(const struct forward *x)
@@ -266,7 +266,7 @@ void forward_loop(const struct forward *x)
 
 	x->b->d->failed |= !column;
 	for (int i = 0; i < nv && !x->b->d->failed; i++)
-		if (x->b->loops->first[i] == i && has_columns(x, i))
+		if (x->b->ways.loops->first[i] == i && has_columns(x, i))
 			(is_in_halves ? reduce_over : loop_over)(x, i, column);
 	if (is_in_halves && !x->b->d->failed)
 		expand_all(x, column);

@@ -135,7 +135,7 @@ static struct opspace make_inverse(struct build *b, const struct forward *M, int
 		return x;
 	}
 	dag_section(b->d, SECTION_OPSPACE, x.w->body);
-	if (b->dynamics == DYNAMICS_ARTICULATED)
+	if (b->ways.dynamics == DYNAMICS_ARTICULATED)
 		reduce_by_bodies(&x);
 	else
 		reduce_by_factors(&x);

@@ -172,7 +172,7 @@ static void vary_found(struct sweep *s, const struct ref *dtau)
 	sweep_forward(s, x, found);
 	for (int i = 0; i < found && !s->d->failed; i++)
 		x[i] = i < nv ? dag_sub(s->d, dtau[i], x[i]) : dag_neg(s->d, x[i]);
-	for (int i = 0; i < nv && s->b->handed == HANDED_ALL && !s->d->failed; i++)
+	for (int i = 0; i < nv && s->b->ways.handed == HANDED_ALL && !s->d->failed; i++)
 		x[i] = want_hand_on(s->b, i, x[i], "rhs");
 	forward_solve(s->b->forward, x);
 	memcpy(s->along[VARIED_QDD], x, (size_t)found * sizeof *x);
@@ -231,14 +231,14 @@ static void solve_found(const struct sweep *s, struct ref *mu)
 	const struct build *b = s->b;
 	int nv = b->t->nv;
 
-	if (b->handed == HANDED_BY_FORCES) {
+	if (b->ways.handed == HANDED_BY_FORCES) {
 		for (int i = nv; i < contacts_found(b) && !s->d->failed; i++)
 			mu[i] = dag_neg(s->d, b->weights[i - nv]);
 		contacts_solve_pulled(b->forward, s->in, mu, mu + nv);
 	} else {
 		forward_solve(b->forward, mu);
 	}
-	if (b->handed)
+	if (b->ways.handed)
 		memcpy(mu + nv, b->weights, (size_t)b->k->contact_rows * sizeof *mu);
 }
 
@@ -247,7 +247,7 @@ static struct ref output_mu(const struct sweep *s, int row, struct ref mu)
 {
 	const struct build *b = s->b;
 
-	if (b->handed != HANDED_BY_FORCES || contacts_weights_fit(b->t, b->k))
+	if (b->ways.handed != HANDED_BY_FORCES || contacts_weights_fit(b->t, b->k))
 		return want_hand_on(b, 2 * b->t->nv + row, mu, "mu");
 	dag_output(s->d, b->outputs[0], 2 * b->t->nv + row, mu);
 	return mu;

@@ -71,7 +71,7 @@ static const enum want_kind SOLVED[BY_COUNT] = {WANT_DQDD_DQ, WANT_DQDD_DQD, WAN
 /* On a processor, derivatives of qdd of one sample: values that wait are in memory, and are not made again. */
 static int is_single(const struct build *b)
 {
-	return b->loops && b->loops->rooms;
+	return b->ways.loops && b->ways.loops->rooms;
 }
 
 static void begin_recursion(struct build *b, const struct tour *r)
@@ -79,7 +79,7 @@ static void begin_recursion(struct build *b, const struct tour *r)
 	int arguments[BY_COUNT], is_used[BY_COUNT];
 
 	for (enum by by = BY_Q; by < BY_COUNT; by++) {
-		int serves = want_is_recursive(b->t, b->k, b->derivatives, BY_RECURSION[by]);
+		int serves = want_is_recursive(b->t, b->k, b->ways.derivatives, BY_RECURSION[by]);
 
 		arguments[by] = serves ? output_of(b, BY_RECURSION[by]) : -1;
 		b->solved[by] = serves ? output_of(b, SOLVED[by]) : -1;
@@ -93,9 +93,9 @@ static void begin_recursion(struct build *b, const struct tour *r)
 	b->recursion.has_gradients = is_used[BY_Q] || is_used[BY_QD];
 	b->recursion.has_coriolis = is_used[BY_CORIOLIS];
 	b->recursion.is_row_first = is_single(b);
-	b->recursion.way = b->way;
+	b->recursion.way = b->ways.way;
 	forward_tell_matrices(b, arguments);
-	b->recursion.is_in_lanes = b->loops && b->loops->is_in_lanes;
+	b->recursion.is_in_lanes = b->ways.loops && b->ways.loops->is_in_lanes;
 	b->recursion.has_shifts = b->solved[BY_Q] >= 0 || b->solved[BY_QD] >= 0;
 }
 
@@ -187,7 +187,7 @@ static void run_main(struct build *b, struct joint_inputs in)
 	output_scalars(b, &r);
 	b->torques = contacts_join(b, r.tau);
 	gradient_outputs(&r, b->forward, b->outputs, b->done);
-	if (b->way && b->recursion.r && !b->d->failed)
+	if (b->ways.way && b->recursion.r && !b->d->failed)
 		recursion_loop(&b->recursion);
 }
 
@@ -298,42 +298,40 @@ static int is_made_again(const struct build *b)
 
 struct ref want_hand_on(const struct build *b, int row, struct ref value, const char *quantity)
 {
-	int argument = b->handed ? b->outputs[0] : output_of(b, WANT_VJP);
+	int argument = b->ways.handed ? b->outputs[0] : output_of(b, WANT_VJP);
 	const struct tree_joint *j = tree_joint_of_row(b->t, row % b->t->nv);
 	struct ref read = value;
 
 	dag_output(b->d, argument, row, value);
-	if (b->handed)
+	if (b->ways.handed)
 		read = dag_input(b->d, argument, row);
-	if (b->handed && j->nv == 1)
+	if (b->ways.handed && j->nv == 1)
 		dag_tag(b->d, read, quantity, b->t->bodies[j->body].number, 0);
 	return read;
 }
 
 /* Where tau is an input, qdd is what it makes: held while torques are differentiated, until all is made. */
-static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
+static void hold_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
 {
-	int are_read = b->handed == HANDED_BY_FORCES;
-
-	if (are_read)
-		contacts_read(b);
-	forward_find(x, b, *in);
-	if (b->handed == HANDED_FORCES || (b->handed == HANDED_FOUND && x->stands)) {
-		contacts_hand_on(x);
-		if (b->handed == HANDED_FORCES)
-			return;
-		contacts_read(b);
-		are_read = 1;
-	}
 	forward_outputs(x, output_of(b, WANT_QDD), output_of(b, WANT_MINV));
-	for (int i = 0; i < b->t->nv && b->loops && b->loops->is_relay && !b->d->failed; i++)
+	for (int i = 0; i < b->t->nv && b->ways.loops && b->ways.loops->is_relay && !b->d->failed; i++)
 		x->qdd[i] = dag_input(b->d, output_of(b, WANT_QDD), i);
-	for (int i = 0; i < b->t->nv && b->handed && request_wants_any(b->k, IS_PRODUCT) && !b->d->failed; i++)
+	for (int i = 0; i < b->t->nv && b->ways.handed && request_wants_any(b->k, IS_PRODUCT) && !b->d->failed; i++)
 		x->qdd[i] = want_hand_on(b, i, x->qdd[i], "qdd");
 	in->qdd = (struct source){.argument = DAG_HELD};
-	for (int i = 0; i < b->k->contact_rows && !are_read && !b->d->failed; i++)
-		b->forces[i] = dag_input(b->d, DAG_HELD, b->t->nv + i);
+	contacts_hold(b);
 	forward_bound(x, *in, output_of(b, WANT_QDD_BOUND));
+}
+
+static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
+{
+	if (b->ways.handed == HANDED_BY_FORCES)
+		contacts_hold(b);
+	forward_find(x, b, *in);
+	if (b->ways.handed && x->stands)
+		contacts_hand_on(x);
+	if (b->ways.handed != HANDED_FORCES)
+		hold_qdd(b, in, x);
 }
 
 static struct joint_inputs declare_inputs(const struct build *b, struct forward *x)
@@ -367,10 +365,10 @@ static void run_outputs(struct build *b, struct joint_inputs in)
 
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways)
 {
-	struct build b = {.d = d, .t = t, .k = k, .derivatives = ways.derivatives, .dynamics = ways.dynamics,
-		.pivots_alone = ways.pivots_alone, .loops = ways.loops, .way = ways.way, .handed = ways.handed};
+	struct build b = {.d = d, .t = t, .k = k, .ways = ways};
 	struct joint_inputs in;
-	struct forward forward = {.b = &b, .torques = {.argument = -1}, .stands = k->contact_count > 0 && ways.handed != HANDED_BY_FORCES};
+	struct forward forward = {.b = &b, .torques = {.argument = -1},
+		.stands = k->contact_count > 0 && ways.handed != HANDED_BY_FORCES};
 
 	if (!alloc(&b)) {
 		d->failed = 1;
@@ -384,7 +382,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	declare_request(&b);
 	if (is_single(&b))
 		forward_declare_columns(d, ways.loops);
-	way_back_declare(b.way, d);
+	way_back_declare(b.ways.way, d);
 	if (ways.pivots_alone) {
 		forward_find(&forward, &b, in);
 		forward_pivots(&forward, in);
@@ -393,7 +391,7 @@ void want_build_in(struct dag *d, const struct tree *t, const struct request *k,
 	}
 	if (k->is_forward)
 		find_qdd(&b, &in, &forward);
-	if (b.handed != HANDED_FORCES)
+	if (b.ways.handed != HANDED_FORCES)
 		run_outputs(&b, in);
 	if (ways.loops)
 		forward_loop(&forward);

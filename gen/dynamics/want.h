@@ -10,6 +10,16 @@
 #include "dynamics/tour.h"
 #include "kinematics/kinematics.h"
 
+/* How it is made. `way`: coordinates go back to the base in loops; NULL: they do not. */
+struct ways {
+	enum derivatives derivatives;
+	enum dynamics dynamics;
+	int pivots_alone; /* see forward_pivots */
+	const struct loops *loops; /* columns of derivatives of qdd are left as right sides, and solved in loops; NULL: none is */
+	struct way_back *way;
+	enum handed handed; /* what stands in rows of the output, where all else reads it */
+};
+
 struct build {
 	struct dag *d;
 	const struct tree *t;
@@ -25,28 +35,13 @@ struct build {
 	char *done;            /* by want: the recursion writes it */
 	struct ref kinetic;
 	struct ref *torques;   /* ID(q, qd, qdd) of the main tour, then how contacts accelerate; NULL: it did not come back */
-	enum derivatives derivatives;
-	enum dynamics dynamics;
-	int pivots_alone;
-	const struct loops *loops; /* NULL: there are none */
-	struct way_back *way;      /* of the recursion's coordinates; NULL: no loops */
-	enum handed handed;        /* what is handed on in rows of the output */
+	struct ways ways;
 	struct recursion recursion;
 	int solved[BY_COUNT]; /* arguments: what is solved with the recursion's matrices; -1: nothing */
 	struct regressor regressor;
 	struct kinematics places;
 	struct forward *forward; /* NULL: qdd is an input */
 	struct forward *factored; /* whose tour it is */
-};
-
-/* How it is made. `way`: coordinates go back to the base in loops; NULL: they do not. */
-struct ways {
-	enum derivatives derivatives;
-	enum dynamics dynamics;
-	int pivots_alone; /* see forward_pivots */
-	const struct loops *loops; /* columns of derivatives of qdd are left as right sides, and solved in loops; NULL: none is */
-	struct way_back *way;
-	enum handed handed; /* what stands in rows of the output, where all else reads it */
 };
 
 void want_build_in(struct dag *d, const struct tree *t, const struct request *k, struct ways ways);

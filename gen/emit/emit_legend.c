@@ -131,6 +131,7 @@ static void put_quantities(const struct emission *e, struct text *out)
 		{"rhs", "change of the torque of the link's joint along the tangents, while qdd stands still"},
 		{"mu", "M^-1 of the weights on the accelerations, by the link's joint"},
 		{"iD", "1/D: the inverse of the inertia that the joint feels"},
+		{"S", "of J M^-1 J^T, of links that stand, by rows of forces: what joints beyond the base's make of it"},
 		{"rx", "the link's x axis, in the world's axes; so ry and rz"},
 		{"p", "its origin, from that of the first body on the way to it, in the world's axes"},
 		{"mc", "first moment about the origin of all masses from the link on"},

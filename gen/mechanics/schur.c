@@ -62,6 +62,14 @@ static void make_column(struct schur *x, int k)
 	}
 }
 
+/* So that a sum of what has joined is made when it may be, and not when the rest of the element is. */
+static void name_joined(const struct schur *x)
+{
+	for (int j = 0; j < x->n && !x->d->failed; j++)
+		for (int k = 0; k <= j; k++)
+			dag_tag(x->d, x->S[j * x->n + k], "S", j, 0);
+}
+
 int schur_factor(struct schur *x)
 {
 	struct dag *d = x->d;
@@ -70,6 +78,7 @@ int schur_factor(struct schur *x)
 		return -1;
 	x->left = arena_alloc(d->arena, (size_t)x->n * (size_t)x->n, sizeof *x->left);
 	d->failed |= !x->left;
+	name_joined(x);
 	for (int k = 0; k < x->n && !d->failed; k++) {
 		make_column(x, k);
 		if (!x->left[k * x->n + k].i)

@@ -42,7 +42,7 @@ static const struct refusal {
 	{"hyq", "contact lf_foot\nwant qdd,qdd_bound\n", "'qdd_bound'"},
 	{"hyq", "contact lf_foot\nwant qdd,opspace_inv.rf_foot\n", "'opspace_inv.rf_foot' speaks of no links that stand"},
 	{"hyq", "contact lf_foot\nwant qdd,contact.lf_kfe_joint\n", "'lf_kfe_joint' does not stand in this scene"},
-	{"hyq", "contact lf_lowerleg\nwant qdd,contact.lf_kfe_joint\n", "'lf_kfe_joint' stands as 'lf_lowerleg': want contact.lf_lowerleg"},
+	{"hyq", "contact lf_lowerleg\nwant qdd,contact.lf_kfe_joint\n", "stands as 'lf_lowerleg': want contact.lf_lowerleg"},
 	{"panda", "add-frame left=panda_hand,0,0.1,0,0,0,0\nadd-frame right=panda_hand,0,-0.1,0,0,0,0\ncontact left,right\nwant qdd\n",
 		"take --weld"},
 	{"hyq", "contact lf_foot\nwant qdd\nframe world\n", "world-aligned"},

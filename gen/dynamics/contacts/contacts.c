@@ -200,7 +200,7 @@ void contacts_begin(struct forward *x)
 	size_t rows = (size_t)x->b->k->contact_rows;
 
 	x->S = arena_alloc(d->arena, 1, sizeof *x->S);
-	if (x->b->dynamics == DYNAMICS_ARTICULATED) {
+	if (x->b->ways.dynamics == DYNAMICS_ARTICULATED) {
 		x->unit_f = arena_alloc(d->arena, rows, sizeof *x->unit_f);
 		x->unit_n = arena_alloc(d->arena, rows, sizeof *x->unit_n);
 	}
@@ -225,10 +225,10 @@ void contacts_factor(struct forward *x, struct joint_inputs in)
 {
 	struct build *b = x->b;
 
-	if (b->dynamics != DYNAMICS_ARTICULATED)
+	if (b->ways.dynamics != DYNAMICS_ARTICULATED)
 		want_places(b, in);
 	dag_section(b->d, SECTION_CONTACTS, 0);
-	if (b->dynamics != DYNAMICS_ARTICULATED && !b->d->failed)
+	if (b->ways.dynamics != DYNAMICS_ARTICULATED && !b->d->failed)
 		reduce_by_factors(x);
 }
 
@@ -282,7 +282,7 @@ void contacts_solve_pulled(const struct forward *x, struct joint_inputs in, stru
 {
 	struct build *b = x->b;
 
-	if (b->dynamics == DYNAMICS_ARTICULATED) {
+	if (b->ways.dynamics == DYNAMICS_ARTICULATED) {
 		expand_by_bodies(x, rhs, n);
 		return;
 	}
@@ -294,7 +294,7 @@ void contacts_solve_pulled(const struct forward *x, struct joint_inputs in, stru
 void contacts_solve(const struct forward *x, struct ref *rhs)
 {
 	struct dag *d = x->b->d;
-	int rows = x->b->k->contact_rows, nv = x->b->t->nv, by_bodies = x->b->dynamics == DYNAMICS_ARTICULATED;
+	int rows = x->b->k->contact_rows, nv = x->b->t->nv, by_bodies = x->b->ways.dynamics == DYNAMICS_ARTICULATED;
 	struct ref *n = arena_alloc(d->arena, (size_t)(rows + nv), sizeof *n), *y = by_bodies ? n + rows : rhs;
 
 	if (!n) {

@@ -39,12 +39,13 @@ void contacts_outputs(const struct forward *x);
 void contacts_pivots(const struct forward *x, struct ref *pairs);
 struct singular contacts_singular(const struct request *k, int row);
 
-/* ---- forces in rows of the first output, where later kernels read them (handed.c) ---- */
+/* ---- forces on their way from kernel to kernel, in rows of the first output (handed.c) ---- */
 
 /* Write those that were found with qdd, and of a vjp those of the weights. */
 void contacts_hand_on(const struct forward *x);
 
-/* Read them, into b->forces and b->weights. */
-void contacts_read(struct build *b);
+/* What all else takes for them, b->forces and b->weights: these rows, or, where nothing is handed on, inputs that are held until
+   all is made. */
+void contacts_hold(struct build *b);
 
 #endif

@@ -85,14 +85,14 @@ void contacts_hand_on(const struct forward *x)
 	hand_on(x, row + b->k->contact_rows, mu + nv);
 }
 
-void contacts_read(struct build *b)
+void contacts_hold(struct build *b)
 {
-	int rows = b->k->contact_rows, *row = places(b);
+	int rows = b->k->contact_rows, *row = b->ways.handed && rows ? places(b) : NULL;
 
-	b->d->failed |= !row;
+	b->d->failed |= b->ways.handed && rows && !row;
 	for (int i = 0; i < rows && !b->d->failed; i++) {
-		b->forces[i] = dag_input(b->d, b->outputs[0], row[i]);
-		if (request_wants(b->k, WANT_VJP))
+		b->forces[i] = row ? dag_input(b->d, b->outputs[0], row[i]) : dag_input(b->d, DAG_HELD, b->t->nv + i);
+		if (row && request_wants(b->k, WANT_VJP))
 			b->weights[i] = dag_input(b->d, b->outputs[0], row[rows + i]);
 	}
 }

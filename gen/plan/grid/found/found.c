@@ -10,8 +10,8 @@
    brackets values of the whole: f32: panda 96 and 134 (187), baxter 271 and 328 (234), floating panda 185 and 241 (302), floating
    hyq 340 and 347 (430), floating allegro_right 884 and 448 (513), atlas 3390 and 634 (741), g1_29dof 3370 and 686 (812); f64:
    iiwa14 129 and 202 (155), panda 209 and 245 (190), baxter 2310 and 640 (234), floating panda 1830 and 466 (302), floating hyq
-   4105 and 808 (430), atlas 9490 and 1620, g1_29dof 10420 and 1670. Accelerations where links stand, f64: hyq on two feet 712 and 780
-   (231), on four 3110 and 890 (404). */
+   4105 and 808 (430), atlas 9490 and 1620, g1_29dof 10420 and 1670. Accelerations where links stand, f64: hyq on two feet 712
+   and 780 (231), on four 3110 and 890 (404). */
 enum { FULL_SINGLE = 450, FULL_DOUBLE = 210, FULL_CONTACTS_DOUBLE = 300 };
 
 /* In aos in f32 whole samples come and go as one part, unless its code would be longer than the instruction cache: so many

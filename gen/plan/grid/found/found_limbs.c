@@ -15,8 +15,8 @@
 static const double SHARE_OF_TWO = 0.42, SHARE = 0.48;
 enum { MOST_LARGE = 8192, MOST_SMALL_SINGLE = 128, MOST_SMALL_DOUBLE = 256 };
 
-/* Limbs of the whole hold more at once. H200, us by kernels and by limbs, of 256, 1024, 4096 and 8192 samples: accelerations of atlas,
-   welded by both feet, in f32 38 18, 38 22, 37 30, 41 60, in f64 74 34, 74 36, 74 63, 103 82, of g1_29dof in f64 67 38, 67 42,
+/* Limbs of the whole hold more at once. H200, us by kernels and by limbs, of 256, 1024, 4096 and 8192 samples: accelerations of
+   atlas, welded by both feet, in f32 38 18, 38 22, 37 30, 41 60, in f64 74 34, 74 36, 74 63, 103 82, of g1_29dof in f64 67 38, 67 42,
    67 60, 88 97, of hyq in f64 on two feet 20 12, 20 13, 20 17, 20 17, on four 26 21, 25 23, 25 30, 26 36; the vjp of the last
    59 31, 59 32, 58 59, 59 87, in f32 30 20, 30 23, 30 31, 30 31. */
 enum { MOST_WHOLE = 4096 };
