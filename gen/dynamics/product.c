@@ -48,6 +48,29 @@ int product_is_of_torques(const struct build *b, int want)
 	return p && request_is_plain_product(b->k, p);
 }
 
+/* The argument of the vjp; -1: there is none. */
+static int vjp_of(const struct build *b)
+{
+	for (int i = 0; i < b->k->want_count; i++)
+		if (b->k->wants[i].kind == WANT_VJP)
+			return b->outputs[i];
+	return -1;
+}
+
+struct ref want_hand_on(const struct build *b, int row, struct ref value, const char *quantity)
+{
+	int argument = b->ways.handed ? b->outputs[0] : vjp_of(b);
+	const struct tree_joint *j = tree_joint_of_row(b->t, row % b->t->nv);
+	struct ref read = value;
+
+	dag_output(b->d, argument, row, value);
+	if (b->ways.handed)
+		read = dag_input(b->d, argument, row);
+	if (b->ways.handed && j->nv == 1)
+		dag_tag(b->d, read, quantity, b->t->bodies[j->body].number, 0);
+	return read;
+}
+
 /* ---- what is differentiated ---- */
 
 static int begin(struct sweep *s, struct build *b, struct joint_inputs in, const struct product *p)

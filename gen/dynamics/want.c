@@ -296,20 +296,6 @@ static int is_made_again(const struct build *b)
 	return b->forward && !is_single(b) && (request_wants(b->k, WANT_DQDD_DQ) || request_wants(b->k, WANT_DQDD_DQD));
 }
 
-struct ref want_hand_on(const struct build *b, int row, struct ref value, const char *quantity)
-{
-	int argument = b->ways.handed ? b->outputs[0] : output_of(b, WANT_VJP);
-	const struct tree_joint *j = tree_joint_of_row(b->t, row % b->t->nv);
-	struct ref read = value;
-
-	dag_output(b->d, argument, row, value);
-	if (b->ways.handed)
-		read = dag_input(b->d, argument, row);
-	if (b->ways.handed && j->nv == 1)
-		dag_tag(b->d, read, quantity, b->t->bodies[j->body].number, 0);
-	return read;
-}
-
 /* Where tau is an input, qdd is what it makes: held while torques are differentiated, until all is made. */
 static void hold_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
 {
