@@ -4,10 +4,8 @@
 #include "base/template.h"
 #include "choices.h"
 #include "emit/emit.h"
-#include "plan/grid/base_first.h"
-#include "plan/grid/found/found.h"
+#include "plan/grid/beside.h"
 #include "plan/grid/found/found_limbs.h"
-#include "plan/grid/hands/base_sides.h"
 #include "plan/limbs/limb_limits.h"
 #include "plan/lanes/lanes.h"
 #include "plan/segments.h"
@@ -174,7 +172,8 @@ static int found_limbs(struct generation *g)
 	struct analysis *a = &g->analysis;
 	const struct parts_of x = {.whole = &g->functions[0], .tree = &a->tree, .request = &a->request, .options = &a->options};
 
-	return !found_is(g->parts, g->part_count, &a->request) || found_limbs_make(&g->rounds, g->parts, g->part_count, &x, a->arena);
+	return parts_division(g->parts, g->part_count) != DIVIDED_IN_ROUNDS ||
+		found_limbs_make(&g->rounds, g->parts, g->part_count, &x, a->arena);
 }
 
 static enum rneagen_code limbs_make_all(struct generation *g)
@@ -189,14 +188,7 @@ static enum rneagen_code limbs_make_all(struct generation *g)
 		return RNEAGEN_OK;
 	if ((!are_apart && !g->is_transposed && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
 		return a->error->code;
-	if (base_first_is(g->parts, g->part_count, &a->request))
-		limbs_beside_base(&g->functions[0].limbs);
-	else if (base_sides_are(g->parts, g->part_count, &a->tree, &a->request))
-		limbs_beside_sides(&g->functions[0].limbs, &a->options);
-	else if (found_is(g->parts, g->part_count, &a->request))
-		found_limbs_beside(&g->functions[0].limbs, g->parts, g->part_count, &a->options);
-	else if (are_apart)
-		limbs_beside_parts(&g->functions[0].limbs, g->part_count, &a->request, &a->options);
+	limbs_beside(&g->functions[0].limbs, g->parts, g->part_count, &a->request, &a->options);
 	return !g->relay || relay_limbs(g->relay, &a->request, &o, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 

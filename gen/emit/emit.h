@@ -96,27 +96,9 @@ static inline int emit_hands(const struct emission *e)
 	return count;
 }
 
-/* Is the kernel before not one of hands, but of what accelerations take? Of the base's acceleration (plan/grid/base_first.h)? Of
-   the rounds of a product (plan/grid/found/found.h)? */
-static inline int emit_finds_first(const struct emission *e)
+static inline enum division emit_division(const struct emission *e)
 {
-	return e->request->is_forward && emit_hands(e) > 0;
-}
-
-static inline int emit_finds_base(const struct emission *e)
-{
-	return base_first_is(e->parts, e->part_count, e->request);
-}
-
-static inline int emit_has_rounds(const struct emission *e)
-{
-	return found_is(e->parts, e->part_count, e->request);
-}
-
-/* Are there kernels for the sides of a base (plan/grid/hands/base_sides.h)? */
-static inline int emit_has_sides(const struct emission *e)
-{
-	return base_sides_are(e->parts, e->part_count, e->tree, e->request);
+	return parts_division(e->parts, e->part_count);
 }
 
 /* How many kernels hands have; how many parts the kernel `level` of these has; what it is called after the function. */

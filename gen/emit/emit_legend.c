@@ -195,7 +195,7 @@ static void put_columns(const struct function *p, struct text *out)
 static void put_parts(const struct emission *e, struct text *out)
 {
 	const struct dag *d = &emit_main(e)->dag;
-	int has_hands = emit_hands(e) && !emit_finds_first(e) && !emit_has_sides(e);
+	int has_hands = emit_division(e) == DIVIDED_BY_HANDS;
 
 	if (emit_hands(e) && somewhere(e, is_left))
 		put_entry(d->arguments[parts_handed(d)].name, !has_hands

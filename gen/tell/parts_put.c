@@ -1,6 +1,14 @@
 #include "tell/parts_put.h"
 #include "emit/kernels/emit_transpose.h"
 
+/* The kernel that a part is of. */
+static const char *kernel_of(const struct emission *e, const struct part *p)
+{
+	const char *kernel = p->is_before ? emit_hands_kernel(e, p->level) : "kernel";
+
+	return text_format(e->arena, "%s_%s_%s", e->options->name, emit_main(e)->algorithm->name, kernel);
+}
+
 void parts_put_table(const struct emission *e, struct text *out)
 {
 	if (e->relay) {
@@ -12,9 +20,10 @@ void parts_put_table(const struct emission *e, struct text *out)
 	for (int i = 0; i < e->part_count; i++) {
 		const struct part *p = &e->parts[i];
 
-		text_printf(out, "  %-10d %3d..%-3d %6u %6d%s", i, e->tree->bodies[p->first].number,
-			e->tree->bodies[p->last].number, plan_flops(part_operations(p)), p->alive,
-			p->is_before ? "  in a kernel before" : "");
+		text_printf(out, "  %-10d %3d..%-3d %6u %6d  %s", i, e->tree->bodies[p->first].number,
+			e->tree->bodies[p->last].number, plan_flops(part_operations(p)), p->alive, kernel_of(e, p));
+		if (p->what)
+			text_printf(out, ": %s", p->what);
 		if (p->joints)
 			text_printf(out, "  motion made again, by stretches of at most %d joints", p->joints);
 		if (p->function.each)
@@ -41,9 +50,10 @@ void parts_put_json(const struct emission *e, struct text *out)
 		const struct part *p = &e->parts[i];
 
 		text_printf(out,
-			"%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d, \"before\": %s, \"stretch\": %d, \"loops\": %d}",
+			"%s\n    {\"first\": %d, \"last\": %d, \"flops\": %u, \"alive\": %d, \"kernel\": \"%s\", \"what\": \"%s\", "
+			"\"stretch\": %d, \"loops\": %d}",
 			i ? "," : "  \"parts\": [", e->tree->bodies[p->first].number, e->tree->bodies[p->last].number,
-			plan_flops(part_operations(p)), p->alive, p->is_before ? "true" : "false", p->joints,
+			plan_flops(part_operations(p)), p->alive, kernel_of(e, p), p->what ? p->what : "", p->joints,
 			p->function.each ? p->function.each->loops->count : 0);
 	}
 	text_put(out, e->part_count ? "\n  ],\n" : "");

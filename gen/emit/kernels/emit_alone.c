@@ -21,7 +21,7 @@ static int least_tiled(const struct emission *e)
 {
 	if (request_wants_derivative(e->request))
 		return LEAST_PRODUCT;
-	return emit_finds_base(e) ? LEAST_BASE : e->request->contact_count ? LEAST_CONTACTS : LEAST_TILED;
+	return emit_division(e) == DIVIDED_BASE_FIRST ? LEAST_BASE : e->request->contact_count ? LEAST_CONTACTS : LEAST_TILED;
 }
 
 static int are_long(const struct emission *e)

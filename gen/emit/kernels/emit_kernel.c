@@ -225,12 +225,15 @@ static const char SHARE_NOTHING[] = "Parts that share nothing";
 /* What a kernel before the main one has. */
 static const char *before_text(const struct emission *e)
 {
-	if (emit_has_sides(e))
+	enum division division = emit_division(e);
+
+	if (division == DIVIDED_BY_SIDES)
 		return "The limbs of one side; a launch runs this kernel before the one that reads what the base takes of them";
-	if (emit_has_rounds(e) || (emit_finds_base(e) && emit_hand_levels(e) > 1))
-		return "One of the kernels before; a launch runs it before those that read what it leaves";
-	return emit_finds_first(e) ? "What is found first; a launch runs this kernel before the one that reads it"
-		: "Hands, each a part; a launch runs this kernel before the one that reads what they hand on";
+	if (division == DIVIDED_BY_HANDS)
+		return "Hands, each a part; a launch runs this kernel before the one that reads what they hand on";
+	if (division == DIVIDED_BASE_FIRST && emit_hand_levels(e) == 1)
+		return "What is found first; a launch runs this kernel before the one that reads it";
+	return "One of the kernels before; a launch runs it before those that read what it leaves";
 }
 
 static void put_both(const struct emission *e, struct text *out)

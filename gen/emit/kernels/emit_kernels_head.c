@@ -114,18 +114,26 @@ static void put_loops(const struct emission *e, struct text *out)
 	text_put(out, "Its last bits may not be those of the same\n * function of target c.\n");
 }
 
+/* Kernels before the main one. */
+static void put_before(const struct emission *e, struct text *out)
+{
+	enum division division = emit_division(e);
+
+	if (division == DIVIDED_IN_ROUNDS || (division == DIVIDED_BASE_FIRST && emit_hand_levels(e) > 1))
+		put_found(e, out);
+	else if (division == DIVIDED_BASE_FIRST)
+		put_base(e, out);
+	else if (division == DIVIDED_BY_SIDES)
+		put_sides(e, out);
+	else if (division == DIVIDED_BY_HANDS)
+		put_hands(e, out);
+}
+
 void emit_kernels_head(const struct emission *e, struct text *out)
 {
 	if (e->relay)
 		put_relay(e, out);
-	if (emit_has_rounds(e) || (emit_finds_base(e) && emit_hand_levels(e) > 1))
-		put_found(e, out);
-	else if (emit_has_sides(e))
-		put_sides(e, out);
-	else if (emit_finds_base(e))
-		put_base(e, out);
-	else if (emit_hands(e))
-		put_hands(e, out);
+	put_before(e, out);
 	if (e->part_count - emit_hands(e) > 1)
 		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for %s.\n", emit_main(e)->algorithm->name,
 			e->part_count - emit_hands(e), emit_is_apart(e) ? "limbs that share nothing with the others" : "the elements of some joints");

@@ -322,6 +322,7 @@ static int make_loops(struct part **parts, int *count, const struct parts_of *x,
 		!apart_set_rows(p, stretches_make_whole, nv_of(x), x, a) || !each_make(p, x, a))
 		return 0;
 	*count = p->function.each && are_staged(p, 1, x->options) && are_written(p, 1) && loops_pay(p, x, spare);
+	parts_divide(p, 1, DIVIDED_BY_LIMBS);
 	return 1;
 }
 
@@ -333,10 +334,15 @@ static int make_parts(struct part **parts, int *count, const struct parts_of *x,
 		return 0;
 	if (hands.count && !make_all(parts, count, &hands, x, spare, a))
 		return 0;
-	if (*count && do_serve(*parts, *count, &hands, x, spare))
+	if (*count && do_serve(*parts, *count, &hands, x, spare)) {
+		parts_divide(*parts, *count, base_is_free(x->tree) ? DIVIDED_BY_SIDES : DIVIDED_BY_HANDS);
 		return 1;
+	}
 	*count = 0;
-	return make_all(parts, count, &none, x, spare, a);
+	if (!make_all(parts, count, &none, x, spare, a))
+		return 0;
+	parts_divide(*parts, *count, DIVIDED_BY_LIMBS);
+	return 1;
 }
 
 int apart_make(struct part **parts, int *count, const struct parts_of *x, struct arena *a)

@@ -208,11 +208,6 @@ int base_first_make(struct part **parts, int *count, const struct parts_of *x, s
 	if (!*parts || !base_first_divide(&k, *parts, 0, "qdd", plan_alive(&x->whole->plan, spare), x, spare, a))
 		return 0;
 	*count = k.before + k.limbs;
+	parts_divide(*parts, *count, DIVIDED_BASE_FIRST);
 	return 1;
-}
-
-int base_first_is(const struct part *parts, int count, const struct request *k)
-{
-	/* wants that are stored come first */
-	return count && parts[0].is_before && k->is_forward && !k->contact_count && k->wants[0].kind == WANT_QDD;
 }

@@ -31,7 +31,4 @@ int base_first_divide(struct base_first *k, struct part *parts, int number, cons
 int base_first_make_before(struct part *parts, int *count, const struct dag *base, int number, const char *what,
 	const struct parts_of *x, struct arena *spare, struct arena *a);
 
-/* Are these such kernels? */
-int base_first_is(const struct part *parts, int count, const struct request *k);
-
 #endif

@@ -261,7 +261,14 @@ enum rneagen_code parts_make(struct part **parts, int *count, const struct parts
 	if (s.failed || (made >= least && !*parts))
 		return error_memory(e);
 	*count = made >= least ? made : 0;
+	parts_divide(*parts, *count, DIVIDED_BY_COLUMNS);
 	return RNEAGEN_OK;
+}
+
+void parts_divide(struct part *parts, int count, enum division division)
+{
+	for (int i = 0; i < count; i++)
+		parts[i].division = division;
 }
 
 int parts_alive(const struct part *parts, int count)

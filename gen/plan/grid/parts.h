@@ -9,8 +9,20 @@
 #include "rneagen.h"
 #include <limits.h>
 
+/* How the work is divided into parts, and kernels that run one after the other. */
+enum division {
+	DIVIDED_NOT,
+	DIVIDED_BY_COLUMNS, /* elements of matrices, by the bodies that own them (parts.c) */
+	DIVIDED_BY_LIMBS,   /* that share nothing (apart.h) */
+	DIVIDED_BY_HANDS,   /* what is beyond a cut first (hands/hands.h) */
+	DIVIDED_BY_SIDES,   /* of a base that moves freely (hands/base_sides.h) */
+	DIVIDED_BASE_FIRST, /* base_first.h */
+	DIVIDED_IN_ROUNDS   /* found/found.h */
+};
+
 /* With the outputs of some bodies: see owners.h. */
 struct part {
+	enum division division; /* the same in all parts */
 	int first, last; /* bodies */
 	int alive;       /* values at once: plan_alive */
 	int is_before;   /* it is of a kernel before the main one */
@@ -33,6 +45,13 @@ struct parts_of {
 	int is_relayed;  /* it is a kernel of a relay: one part at least */
 	int is_transposed; /* outputs are transposed at the end (plan/transposed.h); the options say soa */
 };
+
+static inline enum division parts_division(const struct part *parts, int count)
+{
+	return count ? parts[0].division : DIVIDED_NOT;
+}
+
+void parts_divide(struct part *parts, int count, enum division division);
 
 /* Are they those of apart.h, limbs that share nothing or hands? Then each has a slice of its own, and the whole serves small
    batches. */

@@ -341,10 +341,6 @@ int found_make(struct part **parts, int *count, const struct parts_of *x, struct
 		return 0;
 	*parts = c.parts;
 	*count = are ? c.count : 0;
+	parts_divide(*parts, *count, DIVIDED_IN_ROUNDS);
 	return 1;
-}
-
-int found_is(const struct part *parts, int count, const struct request *k)
-{
-	return count && parts[0].is_before && k->is_forward && !base_first_is(parts, count, k);
 }

@@ -23,7 +23,4 @@ int found_make(struct part **parts, int *count, const struct parts_of *x, struct
 /* DAGs of the first `count` rounds, each a kernel or two. Returns 0 when memory runs out. */
 int found_rounds(struct dag *dags, int count, const struct parts_of *x, enum handed handed, struct arena *a);
 
-/* Are these such kernels? */
-int found_is(const struct part *parts, int count, const struct request *k);
-
 #endif

@@ -196,8 +196,3 @@ int base_sides_rows(struct finder *f, struct hand *m, const unsigned char *own)
 				m->rows[count++] = row;
 	return count > 0 && count == m->cut.count;
 }
-
-int base_sides_are(const struct part *parts, int count, const struct tree *t, const struct request *k)
-{
-	return count && parts[0].is_before && !k->is_forward && base_is_free(t);
-}

@@ -16,7 +16,4 @@ void base_sides_mark(struct finder *f, const unsigned char *own);
 int base_sides_find(struct finder *f, unsigned char *own);
 int base_sides_rows(struct finder *f, struct hand *m, const unsigned char *own);
 
-/* Are these parts of such kernels? */
-int base_sides_are(const struct part *parts, int count, const struct tree *t, const struct request *k);
-
 #endif
