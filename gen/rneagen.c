@@ -290,33 +290,33 @@ struct step {
 	dump_function *put;
 };
 
-#define FIRST_HALF(pass) pass_##pass, NULL
-#define SECOND_HALF(pass) NULL, pass
+#define ANALYSIS_PASS(pass) pass_##pass, NULL
+#define TEXT_PASS(pass) NULL, pass
 #define DUMPED(word, name) #word, RNEAGEN_DUMP_##name, dump_##word
 #define SILENT NULL, RNEAGEN_DUMP_NONE, NULL
 
 static const struct step PASSES[] = {
-	{"urdf_read", "the robot, as its file states it", FIRST_HALF(urdf_read), DUMPED(robot, ROBOT)},
-	{"options_resolve", "options, with their defaults", SECOND_HALF(options_resolve), SILENT},
-	{"scene_parse", "the scene's choices", FIRST_HALF(scene_parse), SILENT},
-	{"scene_select", "joints that move, are held, are cut away", FIRST_HALF(scene_select), SILENT},
-	{"holds_choose", "of held joints, those that are bodies of their own", FIRST_HALF(holds_choose), DUMPED(scene, SCENE)},
-	{"robot_snap", "the robot, angles snapped", FIRST_HALF(robot_snap), SILENT},
-	{"tree_build", "bodies that move, every constant placed", FIRST_HALF(tree_build), DUMPED(tree, TREE)},
-	{"params_choose", "bodies by constants that cost less", FIRST_HALF(params_choose), DUMPED(params, PARAMS)},
-	{"request_resolve", "inputs and outputs", FIRST_HALF(request_resolve), DUMPED(request, REQUEST)},
-	{"options_check", "options that go with the request", SECOND_HALF(options_check), SILENT},
-	{"dag_build", "expressions of the outputs", SECOND_HALF(dag_build_all), SILENT},
-	{"dag_prune", "expressions, without terms that no output feels", FIRST_HALF(dag_prune), SILENT},
-	{"dag_fuse", "expressions, products joined to sums", SECOND_HALF(dag_fuse_all), DUMPED(dag, DAG)},
-	{"plan_build", "names and lines", SECOND_HALF(plan_build_all), DUMPED(plan, PLAN)},
-	{"parts_choose", "parts of the grid", SECOND_HALF(parts_choose), DUMPED(parts, PARTS)},
-	{"segments_choose", "stretches that run for several samples", SECOND_HALF(segments_make_all), DUMPED(segments, SEGMENTS)},
-	{"limbs_choose", "windows for outputs, or warps that share samples", SECOND_HALF(limbs_make_all), DUMPED(limbs, LIMBS)},
-	{"measure", "what choices change and save", SECOND_HALF(measure), SILENT},
-	{"warn", "warnings", SECOND_HALF(warn), SILENT},
-	{"emit", "the text, and its header", SECOND_HALF(emit), SILENT},
-	{"tell", "--info and --dot", SECOND_HALF(tell), SILENT},
+	{"urdf_read", "the robot, as its file states it", ANALYSIS_PASS(urdf_read), DUMPED(robot, ROBOT)},
+	{"options_resolve", "options, with their defaults", TEXT_PASS(options_resolve), SILENT},
+	{"scene_parse", "the scene's choices", ANALYSIS_PASS(scene_parse), SILENT},
+	{"scene_select", "joints that move, are held, are cut away", ANALYSIS_PASS(scene_select), SILENT},
+	{"holds_choose", "of held joints, those that are bodies of their own", ANALYSIS_PASS(holds_choose), DUMPED(scene, SCENE)},
+	{"robot_snap", "the robot, angles snapped", ANALYSIS_PASS(robot_snap), SILENT},
+	{"tree_build", "bodies that move, every constant placed", ANALYSIS_PASS(tree_build), DUMPED(tree, TREE)},
+	{"params_choose", "bodies by constants that cost less", ANALYSIS_PASS(params_choose), DUMPED(params, PARAMS)},
+	{"request_resolve", "inputs and outputs", ANALYSIS_PASS(request_resolve), DUMPED(request, REQUEST)},
+	{"options_check", "options that go with the request", TEXT_PASS(options_check), SILENT},
+	{"dag_build", "expressions of the outputs", TEXT_PASS(dag_build_all), SILENT},
+	{"dag_prune", "expressions, without terms that no output feels", ANALYSIS_PASS(dag_prune), SILENT},
+	{"dag_fuse", "expressions, products joined to sums", TEXT_PASS(dag_fuse_all), DUMPED(dag, DAG)},
+	{"plan_build", "names and lines", TEXT_PASS(plan_build_all), DUMPED(plan, PLAN)},
+	{"parts_choose", "parts of the grid", TEXT_PASS(parts_choose), DUMPED(parts, PARTS)},
+	{"segments_choose", "stretches that run for several samples", TEXT_PASS(segments_make_all), DUMPED(segments, SEGMENTS)},
+	{"limbs_choose", "windows for outputs, or warps that share samples", TEXT_PASS(limbs_make_all), DUMPED(limbs, LIMBS)},
+	{"measure", "what choices change and save", TEXT_PASS(measure), SILENT},
+	{"warn", "warnings", TEXT_PASS(warn), SILENT},
+	{"emit", "the text, and its header", TEXT_PASS(emit), SILENT},
+	{"tell", "--info and --dot", TEXT_PASS(tell), SILENT},
 };
 enum { STEPS = sizeof PASSES / sizeof *PASSES };
 

@@ -192,11 +192,11 @@ static int parse_command(struct command *c, int argc, char **argv)
 {
 	int key;
 
-	while ((key = getopt_long(argc, argv, ":o:", OPTIONS, NULL)) != -1) {
+	while ((key = getopt_long(argc, argv, ":o:h", OPTIONS, NULL)) != -1) {
 		int bad;
 
-		if (key == OPTION_HELP || key == OPTION_VERSION)
-			return file_put_stdout(key == OPTION_HELP ? HELP : "rneagen " RNEAGEN_VERSION "\n") ? 1 : 0;
+		if (key == OPTION_HELP || key == 'h' || key == OPTION_VERSION)
+			return file_put_stdout(key != OPTION_VERSION ? HELP : "rneagen " RNEAGEN_VERSION "\n") ? 1 : 0;
 		if (key == ':' || key == '?')
 			return option_refuse_key(COMMAND, key, argv[optind - 1], OPTIONS);
 		bad = parse_option(c, key, optarg);

@@ -32,6 +32,8 @@
 	start_limbs WARPS GROUPS BYTES SAMPLES    (as whole_limbs, of NAME_FUNCTION_start_limbs, which takes the first one's place;
 	                                          where there is no relay it runs before NAME_FUNCTION_limbs, for as many samples)
 	start_parts N                             (blocks of the relay's first kernel along y, 2 and more, where it has such)
+	threads N BLOCK                           (of the kernel: so many for each sample, each of an alike limb; samples of a block
+	                                          at most)
 	transpose SAMPLES THREADS BYTES           (outputs are written as [row][sample] of so many samples at a time; after all
 	                                          other kernels a launch runs NAME_FUNCTION_transpose_kernel, a block for these
 	                                          samples, in blocks of so many threads, one along y for each output, with
@@ -55,7 +57,7 @@
    says which the text has. core/info_old.c makes functions of that. Version 2 has `parts`, version 1 does not: who
    knows nothing of parts would launch a text of parts and leave the rest unwritten. Version 3 has no `relay`,
    version 4 has it in its first function. Version 5 has `hands` there, version 6
-   `start_parts`, version 7 more than one number of `hands`, version 9 SAMPLES of `relay`, version 10
+   `start_parts`, version 7 more than one number of `hands`, version 8 `threads`, version 9 SAMPLES of `relay`, version 10
    `transpose`, version 11 `start_limbs` without a relay. A key that is not listed is passed over: what would change the
    meaning of the rest gets a new version. */
 

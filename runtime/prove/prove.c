@@ -373,7 +373,6 @@ static enum rneagen_code prove_all(struct proving *p, struct proof *proof)
 			.low = -(double)INFINITY, .high = (double)INFINITY, .plain = (double)INFINITY};
 	if (!prove_ranges(p, proof->rows))
 		return p->e->code ? p->e->code : error_memory(p->e);
-	proof->range_seconds = seconds_now() - p->start;
 	if (prove_errors(p, proof))
 		return p->e->code;
 	return RNEAGEN_OK;

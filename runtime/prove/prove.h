@@ -41,7 +41,6 @@ struct prove_row {
 
 struct proof {
 	struct prove_row *rows; /* in the order of the DAG's outputs; the caller frees them */
-	double range_seconds;
 };
 
 /* For the text that a->options ask for, but for its precision. Errors: UNSUPPORTED, LIMIT, MEMORY. */

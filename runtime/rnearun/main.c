@@ -46,7 +46,7 @@ static int run(struct ranks *ranks, int argc, char **argv)
 {
 	const char *word = argc > 1 ? argv[1] : "", *meant;
 
-	if (!strcmp(word, "--help"))
+	if (!strcmp(word, "--help") || !strcmp(word, "-h"))
 		return file_put_stdout(HELP) ? 1 : 0;
 	if (!strcmp(word, "--version"))
 		return file_put_stdout("rnearun " RNEAGEN_VERSION "\n") ? 1 : 0;

@@ -43,7 +43,6 @@ struct dealer {
 	int phases;
 };
 
-
 /* Arrays of a dealer whose p, limits, a and lines are set. Returns 0 when memory runs out. */
 int deal_begin(struct dealer *x);
 

@@ -13,7 +13,7 @@ struct cut {
 	int count;                /* 0: nothing goes, or through more */
 };
 
-/* By node: whether it is one of those. Returns 0 when memory runs out. */
+/* A minimum vertex cut; `from`, `to`: by node, 1 where paths begin, or end. Returns 0 when memory runs out. */
 int cut_find(struct cut *c, const struct dag *d, const unsigned char *from, const unsigned char *to, struct arena *a);
 
 #endif
