@@ -270,7 +270,7 @@ static enum rneagen_code tell(struct generation *g)
 		info_json(&g->info, &json);
 	if (a->options.tell & RNEAGEN_TELL_DOT)
 		dot_graph(&a->stated, &dot);
-	if (info.failed || json.failed || dot.failed)
+	if (info.failed || json.failed || dot.failed || a->arena->failed)
 		return error_memory(a->error);
 	r->info = info.length ? text_string(&info) : NULL;
 	r->info_json = json.length ? text_string(&json) : NULL;
