@@ -90,7 +90,7 @@ enum option_key { OPTION_TARGET = 256, OPTION_PRECISION, OPTION_LAYOUT, OPTION_T
 	"  --pose rows|quaternion     pose.LINK: the rows of [R p], unless given; or p, then x y z w\n"               \
 	"  --frame link|world|world-aligned\n"                                                                       \
 	"                             of jacobian.LINK, djacobian.LINK, opspace.LINK, contact.LINK, weld.LINK and --free\n" \
-	"                             accel.LINK: the link's, unless given; the world's; the world's axes at the link's origin\n"                               \
+	"                             accel.LINK: the link's, unless given; the world's; the world's axes at the link's origin\n" \
 	"  --add-frame NAME=LINK,X,Y,Z,R,P,Y\n"                                                                      \
 	"                             a frame on a link, which --want takes where it takes a link\n"                 \
 	"  --refine 0|1|1:f64|1:f32x2|1:same\n"                                                                      \

@@ -48,18 +48,9 @@ int product_is_of_torques(const struct build *b, int want)
 	return p && request_is_plain_product(b->k, p);
 }
 
-/* The argument of the vjp; -1: there is none. */
-static int vjp_of(const struct build *b)
-{
-	for (int i = 0; i < b->k->want_count; i++)
-		if (b->k->wants[i].kind == WANT_VJP)
-			return b->outputs[i];
-	return -1;
-}
-
 struct ref want_hand_on(const struct build *b, int row, struct ref value, const char *quantity)
 {
-	int argument = b->ways.handed ? b->outputs[0] : vjp_of(b);
+	int argument = b->ways.handed ? b->outputs[0] : want_output(b, WANT_VJP);
 	const struct tree_joint *j = tree_joint_of_row(b->t, row % b->t->nv);
 	struct ref read = value;
 

@@ -42,7 +42,7 @@ static struct ref power(const struct build *b, const struct tour *r)
 	return sum;
 }
 
-static int output_of(const struct build *b, enum want_kind kind)
+int want_output(const struct build *b, enum want_kind kind)
 {
 	for (int i = 0; i < b->k->want_count; i++)
 		if (b->k->wants[i].kind == kind)
@@ -81,8 +81,8 @@ static void begin_recursion(struct build *b, const struct tour *r)
 	for (enum by by = BY_Q; by < BY_COUNT; by++) {
 		int serves = want_is_recursive(b->t, b->k, b->ways.derivatives, BY_RECURSION[by]);
 
-		arguments[by] = serves ? output_of(b, BY_RECURSION[by]) : -1;
-		b->solved[by] = serves ? output_of(b, SOLVED[by]) : -1;
+		arguments[by] = serves ? want_output(b, BY_RECURSION[by]) : -1;
+		b->solved[by] = serves ? want_output(b, SOLVED[by]) : -1;
 		is_used[by] = arguments[by] >= 0 || b->solved[by] >= 0;
 		for (int i = 0; i < b->k->want_count && serves; i++)
 			b->done[i] |= b->k->wants[i].kind == BY_RECURSION[by] || b->k->wants[i].kind == SOLVED[by];
@@ -110,7 +110,7 @@ static void run_bias(struct build *b, struct joint_inputs in)
 {
 	struct tour r = want_tour(b, in);
 
-	r.tau_out = output_of(b, WANT_BIAS);
+	r.tau_out = want_output(b, WANT_BIAS);
 	if (r.tau_out < 0)
 		return;
 	dag_section(b->d, SECTION_BIAS, 0);
@@ -136,7 +136,7 @@ static void run_gravity(struct build *b, struct joint_inputs in, int tau_out, in
 
 static void output_scalars(const struct build *b, const struct tour *r)
 {
-	int power_out = output_of(b, WANT_POWER), kinetic_out = output_of(b, WANT_KINETIC);
+	int power_out = want_output(b, WANT_POWER), kinetic_out = want_output(b, WANT_KINETIC);
 
 	dag_section(b->d, SECTION_TOTALS, 0);
 	if (power_out >= 0 && (r->tau || has_torques_given(b)))
@@ -174,12 +174,12 @@ static void run_main(struct build *b, struct joint_inputs in)
 	r.leaving = want_leaving;
 	r.left = want_left;
 	r.own_terms = own_terms;
-	r.tau_out = output_of(b, WANT_TAU);
+	r.tau_out = want_output(b, WANT_TAU);
 	r.comes_back = (request_wants(b->k, WANT_POWER) && !has_torques_given(b)) || request_wants(b->k, WANT_WRENCH) ||
 		request_wants_derivative(b->k);
 	begin_recursion(b, &r);
 	if (request_wants(b->k, WANT_REGRESSOR))
-		regressor_begin(&b->regressor, &r, output_of(b, WANT_REGRESSOR));
+		regressor_begin(&b->regressor, &r, want_output(b, WANT_REGRESSOR));
 	tour_run(&r);
 	if (b->recursion.r && !b->d->failed)
 		end_recursion(b);
@@ -299,14 +299,14 @@ static int is_made_again(const struct build *b)
 /* Where tau is an input, qdd is what it makes: held while torques are differentiated, until all is made. */
 static void hold_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
 {
-	forward_outputs(x, output_of(b, WANT_QDD), output_of(b, WANT_MINV));
+	forward_outputs(x, want_output(b, WANT_QDD), want_output(b, WANT_MINV));
 	for (int i = 0; i < b->t->nv && b->ways.loops && b->ways.loops->is_relay && !b->d->failed; i++)
-		x->qdd[i] = dag_input(b->d, output_of(b, WANT_QDD), i);
+		x->qdd[i] = dag_input(b->d, want_output(b, WANT_QDD), i);
 	for (int i = 0; i < b->t->nv && b->ways.handed && request_wants_any(b->k, IS_PRODUCT) && !b->d->failed; i++)
 		x->qdd[i] = want_hand_on(b, i, x->qdd[i], "qdd");
 	in->qdd = (struct source){.argument = DAG_HELD};
 	contacts_hold(b);
-	forward_bound(x, *in, output_of(b, WANT_QDD_BOUND));
+	forward_bound(x, *in, want_output(b, WANT_QDD_BOUND));
 }
 
 static void find_qdd(struct build *b, struct joint_inputs *in, struct forward *x)
@@ -340,11 +340,11 @@ static void run_outputs(struct build *b, struct joint_inputs in)
 	in.is_again = is_made_again(b);
 	run_kinematics(b, in);
 	if (is_gravity_alone(b))
-		run_gravity(b, in, output_of(b, WANT_TAU), -1);
+		run_gravity(b, in, want_output(b, WANT_TAU), -1);
 	else if (takes_main(b->k))
 		run_main(b, in);
 	run_bias(b, in);
-	run_gravity(b, in, output_of(b, WANT_GRAVITY), output_of(b, WANT_POTENTIAL));
+	run_gravity(b, in, want_output(b, WANT_GRAVITY), want_output(b, WANT_POTENTIAL));
 	opspace_outputs(b, in);
 	product_outputs(b, in);
 }

@@ -56,6 +56,9 @@ struct tour want_tour(struct build *b, struct joint_inputs in);
    declared the first time. Returns 0 when memory runs out. */
 int want_constants(struct build *b);
 
+/* The argument of the first want of a kind; -1: there is none. */
+int want_output(const struct build *b, enum want_kind kind);
+
 /* "hand" of "payload.hand"; "" of "gravity". */
 const char *want_of(const char *word);
 

@@ -1,7 +1,7 @@
 #ifndef RNEAGEN_SCHUR_H
 #define RNEAGEN_SCHUR_H
 /* S = J M^-1 J^T = Y^T D^-1 Y, with M = L^T D L and L^T Y = J^T (factor.h): what constraints J x = c feel of M; and its own
-   factors S = l^T d l. */
+   factors S = l d l^T. */
 
 #include "dag/dag.h"
 

@@ -80,7 +80,7 @@ int order_begin(struct orderer *x, struct arena *a)
 	x->wait = arena_alloc(a, lines, sizeof *x->wait);
 	x->need = arena_alloc(a, lines, sizeof *x->need);
 	x->takes = arena_alloc(a, nodes, 1);
-	x->reach = readings_reach(x->p->dag, x->t, a);
+	x->reach = arena_alloc(a, nodes, sizeof *x->reach);
 	x->cone = arena_alloc(a, lines, sizeof *x->cone);
 	x->done = arena_alloc(a, lines, 1);
 	x->order = arena_alloc(a, lines, sizeof *x->order);
@@ -233,6 +233,7 @@ static void begin_writing(struct orderer *x, uint32_t end)
 /* Joint after joint, all lines that the inputs up to its own are enough for. */
 static void write_by_inputs(struct orderer *x)
 {
+	readings_reach(x->reach, x->p->dag, x->t);
 	for (x->row = 0; x->row < x->t->nv; x->row++)
 		for (uint32_t i = 0; i < x->p->line_count; i++) {
 			const struct line *l = &x->p->lines[i];

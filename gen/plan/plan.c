@@ -290,9 +290,12 @@ int plan_build(struct plan *p, const struct dag *d, const struct tree *t, struct
 
 int plan_build_by_joints(struct plan *p, const struct dag *d, const struct tree *t, struct arena *a)
 {
-	const int *reach = readings_reach(d, t, a);
+	int *reach = arena_alloc(a, d->count, sizeof *reach);
 
-	return reach && build(p, d, t, reach, a);
+	if (!reach)
+		return 0;
+	readings_reach(reach, d, t);
+	return build(p, d, t, reach, a);
 }
 
 struct ref plan_partner(const struct plan *p, struct ref sincos, enum op op)

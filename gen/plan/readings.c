@@ -152,11 +152,9 @@ const struct tree_joint *readings_joint(const struct dag *d, const struct node *
 	return tree_joint_of_row(t, row % t->nv);
 }
 
-int *readings_reach(const struct dag *d, const struct tree *t, struct arena *a)
+void readings_reach(int *reach, const struct dag *d, const struct tree *t)
 {
-	int *reach = arena_alloc(a, d->count, sizeof *reach);
-
-	for (size_t i = 0; i < d->count && reach; i++) {
+	for (size_t i = 0; i < d->count; i++) {
 		const struct node *n = &d->nodes[i];
 		const struct tree_joint *j = n->op == OP_INPUT ? readings_joint(d, n, t) : NULL;
 
@@ -165,5 +163,4 @@ int *readings_reach(const struct dag *d, const struct tree *t, struct arena *a)
 			if (reach[n->arg[k].i] > reach[i])
 				reach[i] = reach[n->arg[k].i];
 	}
-	return reach;
 }

@@ -30,8 +30,8 @@ int readings_made(const struct plan *p, const struct line *l, struct ref made[2]
 /* Whose entry of q, qd, qdd or tau an input is, or of an output that has a row for each of qd; NULL: no joint's. */
 const struct tree_joint *readings_joint(const struct dag *d, const struct node *input, const struct tree *t);
 
-/* By node: the last row of qd whose joint's inputs it takes; -1: it takes none. NULL when memory runs out. */
-int *readings_reach(const struct dag *d, const struct tree *t, struct arena *a);
+/* By node: the last row of qd whose joint's inputs it takes; -1: it takes none. */
+void readings_reach(int *reach, const struct dag *d, const struct tree *t);
 
 /* By node: an input that only sines and cosines of these lines read. NULL when memory runs out. */
 const unsigned char *readings_only_angles(const struct plan *p, struct arena *a);

@@ -71,27 +71,37 @@ static long step_of(long step)
 	return exhaustive() ? (step + 1) / 2 : step;
 }
 
-/* Returns the number of requests; every refusal must come out as MEMORY, and nothing be left. */
-static long refuse_each(const struct rneagen_options *options, int for_good, long step,
-	enum rneagen_code (*run)(const struct rneagen_options *o, struct rneagen_error *e))
+typedef enum rneagen_code runs(const struct rneagen_options *o, struct rneagen_error *e);
+
+/* Refuses one request, or with -1 none. A refusal must come out as MEMORY, and nothing be left. Returns how many there were. */
+static long refuse(const struct rneagen_options *options, long refused, int for_good, runs *run)
 {
+	struct warden w = {.refused = refused, .for_good = for_good};
+	struct rneagen_allocator allocator = {warden_alloc, warden_release, &w};
 	struct rneagen_options o = *options;
+	struct rneagen_error e;
+	enum rneagen_code code;
 
+	o.allocator = &allocator;
+	code = run(&o, &e);
+	ck_assert_msg(w.out == 0, "request %ld refused: %ld blocks left", refused, w.out);
+	if (refused < 0 || refused >= w.requests) {
+		ck_assert_msg(code == RNEAGEN_OK, "%s", e.message);
+		return w.requests;
+	}
+	ck_assert_msg(code == RNEAGEN_MEMORY, "request %ld refused: code %d, %s", refused, code, e.message);
+	ck_assert_str_eq(e.message, "out of memory");
+	return w.requests;
+}
+
+/* One after the other. Returns the number of requests. */
+static long refuse_each(const struct rneagen_options *options, int for_good, long step, runs *run)
+{
 	for (long k = 0;; k += k < 100 ? 1 : step_of(step)) {
-		struct warden w = {.refused = k, .for_good = for_good};
-		struct rneagen_allocator allocator = {warden_alloc, warden_release, &w};
-		struct rneagen_error e;
-		enum rneagen_code code;
+		long requests = refuse(options, k, for_good, run);
 
-		o.allocator = &allocator;
-		code = run(&o, &e);
-		ck_assert_msg(w.out == 0, "request %ld refused: %ld blocks left", k, w.out);
-		if (k >= w.requests) {
-			ck_assert_msg(code == RNEAGEN_OK, "%s", e.message);
-			return w.requests;
-		}
-		ck_assert_msg(code == RNEAGEN_MEMORY, "request %ld refused: code %d, %s", k, code, e.message);
-		ck_assert_str_eq(e.message, "out of memory");
+		if (k >= requests)
+			return requests;
 	}
 }
 
@@ -174,19 +184,6 @@ static enum rneagen_code generate_robot(const struct rneagen_options *o, struct 
 	return e->code;
 }
 
-static long refuse(const struct rneagen_options *options, long refused, int for_good, enum rneagen_code *code)
-{
-	struct warden w = {.refused = refused, .for_good = for_good};
-	struct rneagen_allocator allocator = {warden_alloc, warden_release, &w};
-	struct rneagen_options o = *options;
-	struct rneagen_error e;
-
-	o.allocator = &allocator;
-	*code = generate_robot(&o, &e);
-	ck_assert_msg(w.out == 0, "request %ld refused: %ld blocks left", refused, w.out);
-	return w.requests;
-}
-
 enum { KERNELS = 6 };
 
 /* Kernels one after the other, of a robot that is large enough for these: some requests of each text. */
@@ -196,7 +193,6 @@ START_TEST(kernels)
 		"vjp qdd\ncontact lf_foot,rh_foot", "vjp qdd\ncontact lf_foot,rf_foot,lh_foot,rh_foot"};
 	struct rneagen_options o = rneagen_options_default();
 	char *text = robot_text("hyq");
-	enum rneagen_code code;
 	long requests, count = exhaustive() ? 20 : sanitized() ? 2 : 6;
 
 	robot = text;
@@ -204,12 +200,9 @@ START_TEST(kernels)
 	o.precision = RNEAGEN_F64;
 	o.base = RNEAGEN_FLOATING;
 	o.scene = by_urdf(scenes[_i]);
-	requests = refuse(&o, -1, 0, &code);
-	ck_assert_int_eq(code, RNEAGEN_OK);
-	for (long k = 1; k <= count; k++) {
-		refuse(&o, requests * (3 * k - 1) / (3 * count), (int)(k % 2), &code);
-		ck_assert_int_eq(code, RNEAGEN_MEMORY);
-	}
+	requests = refuse(&o, -1, 0, generate_robot);
+	for (long k = 1; k <= count; k++)
+		refuse(&o, requests * (3 * k - 1) / (3 * count), (int)(k % 2), generate_robot);
 	printf("%ld of %ld requests refused\n", count, requests);
 	free(text);
 }

@@ -3,7 +3,6 @@
    J mu = 0. */
 #include "dynamics/contacts/contacts.h"
 #include "dynamics/want.h"
-#include <string.h>
 
 /* A row of qd that is free, of the contact's chain, those nearest to it first, or else of any joint: the part that reads the
    force has these rows. The base's come last: a kernel may write these before the joints' (plan/grid/base_first.h). */
@@ -35,23 +34,22 @@ static int place(const struct build *b, unsigned char *taken, int *row)
 	return 1;
 }
 
-/* By row of contacts, then once more for those of weights. */
+/* By row of contacts, then, of a vjp, once more for those of weights. */
 static int *places(const struct build *b)
 {
 	struct arena *a = b->d->arena;
 	int rows = b->k->contact_rows, nv = b->t->nv, is_product = request_wants(b->k, WANT_VJP);
-	unsigned char *taken = arena_alloc(a, (size_t)nv + 1, 1);
-	int *row = arena_alloc(a, 2 * (size_t)rows, sizeof *row), first = is_product ? nv : 0;
+	int fit = contacts_weights_fit(b->t, b->k);
+	unsigned char *taken = arena_alloc(a, 2 * (size_t)nv + 1, 1);
+	int *row = arena_alloc(a, 2 * (size_t)rows, sizeof *row);
 
 	if (!taken || !row || !place(b, taken, row))
 		return NULL;
-	if (!contacts_weights_fit(b->t, b->k))
-		memset(taken, 0, (size_t)nv);
-	if (is_product && !place(b, taken, row + rows))
+	if (is_product && !place(b, fit ? taken : taken + nv, row + rows))
 		return NULL;
-	for (int i = 0; i < rows; i++) {
-		row[i] += first;
-		row[rows + i] += contacts_weights_fit(b->t, b->k) ? nv : 2 * nv;
+	for (int i = 0; i < rows && is_product; i++) {
+		row[i] += nv;
+		row[rows + i] += fit ? nv : 2 * nv;
 	}
 	return row;
 }

@@ -20,7 +20,8 @@ from ._gradient import FREED, PARTS
 VECTORS = ("joint_torque", "gravity_torque")  # outputs that are forces
 MATRICES = ("mass_matrix", "mass_matrix_inverse")
 OTHERS = ("power", "kinetic_energy", "potential_energy", "link_twist", "link_acceleration", "joint_wrench", "body_twists",
-          "link_pose", "center_of_mass", "center_of_mass_velocity", "momentum", "momentum_rate", "contact_force", "contact_wrench")
+          "link_pose", "center_of_mass", "center_of_mass_velocity", "momentum", "momentum_rate", "contact_force",
+          "contact_wrench")
 
 
 def native_position(xp, q):

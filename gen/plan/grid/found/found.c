@@ -27,13 +27,18 @@ struct round {
 	int is_forward; /* accelerations; else torques with their product */
 };
 
-static const struct round OF_VJP[] = {{"qdd, and M^-1 of the weights", 1}, {"the rest, where both are found", 0}},
-	OF_JVP[MOST_ROUNDS] = {{"qdd", 1}, {"what tau changes by where qdd stands still", 0}, {"M^-1 of that", 1}},
-	OF_CONTACTS[] = {{"forces on what stands", 1}, {"qdd, with these", 1}},
-	OF_CONTACTS_VJP[MOST_ROUNDS] = {{"forces on what stands, and those of the weights", 1},
-		{"qdd, and M^-1 of the weights, with these", 1}, {"the rest, where all are found", 0}},
-	OF_MANY_CONTACTS_VJP[MOST_ROUNDS] = {{"forces on what stands, and those of the weights", 1}, {"qdd, with these", 1},
-		{"M^-1 of the weights, and the rest", 0}};
+struct rounds {
+	int count, has_forces; /* the first finds forces on what stands */
+	struct round of[MOST_ROUNDS];
+};
+
+static const struct rounds OF_VJP = {2, 0, {{"qdd, and M^-1 of the weights", 1}, {"the rest, where both are found", 0}}},
+	OF_JVP = {3, 0, {{"qdd", 1}, {"what tau changes by where qdd stands still", 0}, {"M^-1 of that", 1}}},
+	OF_CONTACTS = {2, 1, {{"forces on what stands", 1}, {"qdd, with these", 1}}},
+	OF_CONTACTS_VJP = {3, 1, {{"forces on what stands, and those of the weights", 1},
+		{"qdd, and M^-1 of the weights, with these", 1}, {"the rest, where all are found", 0}}},
+	OF_MANY_CONTACTS_VJP = {3, 1, {{"forces on what stands, and those of the weights", 1}, {"qdd, with these", 1},
+		{"M^-1 of the weights, and the rest", 0}}};
 
 /* One of them on its way to parts. */
 struct made {
@@ -44,8 +49,7 @@ struct made {
 
 /* All parts so far, of kernels one after the other. */
 struct chain {
-	const struct round *rounds;
-	int round_count;
+	const struct rounds *rounds;
 	struct dag dags[MOST_ROUNDS];
 	struct made made[MOST_ROUNDS];
 	struct part *parts;
@@ -133,19 +137,19 @@ int found_rounds(struct dag *dags, int count, const struct parts_of *x, enum han
 static int make_rounds(struct chain *c, const struct parts_of *x, struct arena *a)
 {
 	if (!x->request->contact_count)
-		return found_rounds(c->dags, c->round_count, x, HANDED_ALL, a);
+		return found_rounds(c->dags, c->rounds->count, x, HANDED_ALL, a);
 	dag_init(&c->dags[0], a);
 	algorithm_build_handed(&c->dags[0], x->tree, x->request, HANDED_FORCES);
-	return !c->dags[0].failed && found_rounds(c->dags + 1, c->round_count - 1, x, HANDED_BY_FORCES, a);
+	return !c->dags[0].failed && found_rounds(c->dags + 1, c->rounds->count - 1, x, HANDED_BY_FORCES, a);
 }
 
-static const struct round *rounds_for(const struct parts_of *x)
+static const struct rounds *rounds_for(const struct parts_of *x)
 {
 	if (!x->request->contact_count)
-		return product_of(x) == WANT_JVP ? OF_JVP : OF_VJP;
+		return product_of(x) == WANT_JVP ? &OF_JVP : &OF_VJP;
 	if (product_of(x) == WANT_QDD)
-		return OF_CONTACTS;
-	return contacts_weights_fit(x->tree, x->request) ? OF_CONTACTS_VJP : OF_MANY_CONTACTS_VJP;
+		return &OF_CONTACTS;
+	return contacts_weights_fit(x->tree, x->request) ? &OF_CONTACTS_VJP : &OF_MANY_CONTACTS_VJP;
 }
 
 /* Rows of a jvp hold first the one, then the other. */
@@ -163,18 +167,17 @@ static int begin(struct chain *c, const struct parts_of *x, struct arena *spare,
 	int is_jvp = product_of(x) == WANT_JVP;
 
 	c->rounds = rounds_for(x);
-	c->round_count = c->rounds == OF_VJP || c->rounds == OF_CONTACTS ? 2 : MOST_ROUNDS;
-	c->parts = arena_alloc(a, (size_t)c->round_count * ((size_t)x->tree->nv + 2), sizeof *c->parts);
+	c->parts = arena_alloc(a, (size_t)c->rounds->count * ((size_t)x->tree->nv + 2), sizeof *c->parts);
 	if (!c->parts || !make_rounds(c, x, spare))
 		return 0;
 	if (is_jvp)
 		rename_found(&c->dags[2]);
-	for (int i = 0; i < c->round_count; i++) {
+	for (int i = 0; i < c->rounds->count; i++) {
 		struct made *m = &c->made[i];
 
 		m->request = *x->request;
 		m->request.is_forward = 0;
-		if (c->rounds[i].is_forward)
+		if (c->rounds->of[i].is_forward)
 			m->request = request_of_accelerations(x->request, &m->qdd);
 		if (i > 0) /* by then their forces are known */
 			m->request.contact_count = m->request.contact_rows = 0;
@@ -215,7 +218,7 @@ static int make_limbs(
 	for (int i = 0; i < count; i++) {
 		struct part *p = &c->parts[first + i];
 
-		if (!apart_build(p, &share, i, first + i, c->rounds[round].what, x, a) || !set_rows(p, round, x, a))
+		if (!apart_build(p, &share, i, first + i, c->rounds->of[round].what, x, a) || !set_rows(p, round, x, a))
 			return 0;
 	}
 	return count;
@@ -237,7 +240,7 @@ static int divide(struct kernels *k, struct chain *c, int round, struct arena *s
 		return 1;
 	memset(&whole, 0, sizeof whole);
 	if (!part_build(&whole, x->raw, "", "", x, spare) || !part_order(&whole, ORDERED_PART, x, spare) ||
-		!base_first_divide(&base, c->parts + c->count, c->count, c->rounds[round].what, whole.alive, x, spare, a))
+		!base_first_divide(&base, c->parts + c->count, c->count, c->rounds->of[round].what, whole.alive, x, spare, a))
 		return 0;
 	*k = (struct kernels){base.before, base.limbs};
 	return 1;
@@ -267,7 +270,7 @@ static int make_forces(struct kernels *k, struct chain *c, struct arena *spare, 
 {
 	int count;
 
-	if (!base_first_make_before(c->parts, &count, &c->dags[0], 0, c->rounds[0].what, &c->made[0].of, spare, a))
+	if (!base_first_make_before(c->parts, &count, &c->dags[0], 0, c->rounds->of[0].what, &c->made[0].of, spare, a))
 		return 0;
 	*k = (struct kernels){count - 1, 1};
 	return 1;
@@ -276,7 +279,7 @@ static int make_forces(struct kernels *k, struct chain *c, struct arena *spare, 
 static int make_kernels(struct kernels *k, struct chain *c, int round, struct arena *spare, struct arena *a)
 {
 	const struct parts_of *x = &c->made[round].of;
-	int is_forward = c->rounds[round].is_forward, has_forces = c->rounds != OF_VJP && c->rounds != OF_JVP;
+	int is_forward = c->rounds->of[round].is_forward, has_forces = c->rounds->has_forces;
 
 	*k = (struct kernels){0};
 	if (has_forces && round == 0)
@@ -292,7 +295,7 @@ static int make_kernels(struct kernels *k, struct chain *c, int round, struct ar
 
 static int add_round(struct chain *c, int round, struct arena *spare, struct arena *a)
 {
-	int is_last = round == c->round_count - 1;
+	int is_last = round == c->rounds->count - 1;
 	struct part *p = c->parts + c->count;
 	struct kernels k;
 
@@ -334,7 +337,7 @@ int found_make(struct part **parts, int *count, const struct parts_of *x, struct
 		return !spare->failed;
 	if (!begin(&c, x, spare, a))
 		return 0;
-	for (int i = 0; i < c.round_count; i++)
+	for (int i = 0; i < c.rounds->count; i++)
 		if (!add_round(&c, i, spare, a))
 			return 0;
 	if (!are_in_order(&are, c.parts, c.count, x, spare))
