@@ -29,6 +29,10 @@ void drawn_operations(struct dag *d, struct rng *r, int count)
 
 		for (int k = 0; k < op_arity[op]; k++)
 			arg[k] = operand(d, r);
+		if (op == OP_COS && d->count + 1 == end)
+			continue;
+		if (op == OP_COS)
+			dag_node(d, OP_SIN, arg[0], none, none, 0);
 		dag_node(d, op, arg[0], arg[1], arg[2], 0);
 	}
 }
@@ -87,7 +91,7 @@ int drawn_made(const struct plan *p, const struct line *l, uint32_t made[2])
 {
 	int count = 0;
 
-	if (l->kind == LINE_INPUT || l->kind == LINE_VALUE || l->kind == LINE_FETCH)
+	if (l->kind == LINE_INPUT || l->kind == LINE_VALUE || l->kind == LINE_FETCH || l->kind == LINE_SINE)
 		made[count++] = l->value.i;
 	for (uint32_t i = 0; i < p->dag->count && l->kind == LINE_SINCOS; i++)
 		if (p->names[i] && is_sine(&p->dag->nodes[i]) && p->dag->nodes[i].arg[0].i == p->dag->nodes[l->value.i].arg[0].i)

@@ -8,7 +8,7 @@
 /* Inputs of the first rows of an argument. */
 void drawn_inputs(struct dag *d, int argument, int rows);
 
-/* So many operations more, of any nodes but the constant 0, of late ones most often. */
+/* So many operations more, of any nodes but the constant 0, of late ones most often; a sine before its cosine. */
 void drawn_operations(struct dag *d, struct rng *r, int count);
 
 /* Store, row after row, each operation that nothing reads, and some others; a value may be stored twice. */

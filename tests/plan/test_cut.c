@@ -80,8 +80,10 @@ static void expect_least(const struct case_ *c, const struct cut *cut, unsigned 
 		next = set;
 		if (size_of(set) > cut->count || reached(c, set) & ends(c))
 			continue;
-		ck_assert_msg(size_of(set) == cut->count, "seed %llu: %d nodes, where %d suffice", seed, cut->count, size_of(set));
-		ck_assert_msg(!(before & ~reached(c, set)), "seed %llu: cut %x is nearer than %x", seed, set, own);
+		if (size_of(set) < cut->count)
+			ck_abort_msg("seed %llu: %d nodes, where %d suffice", seed, cut->count, size_of(set));
+		if (before & ~reached(c, set))
+			ck_abort_msg("seed %llu: cut %x is nearer than %x", seed, set, own);
 	}
 }
 
