@@ -1,6 +1,6 @@
 /* The fewest values through which all goes, beside a search over all sets of nodes of small DAGs that are drawn. It would catch
-   a cut that is larger than it need be, which hands on too many numbers and changes no result; one through which a path slips,
-   which only a robot whose hands meet in that way would show; and one far from where paths begin, for which a kernel makes more. */
+   a cut that is larger than it need be, which hands on too many numbers and changes no result; one past which a path goes, which
+   only a robot whose hands meet in that way would show; and one far from where paths begin, for which a kernel makes more. */
 #include "plan/drawn.h"
 #include "plan/grid/hands/cut.h"
 #include "support/suite.h"

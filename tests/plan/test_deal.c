@@ -1,7 +1,7 @@
-/* Lines of small plans that are drawn, dealt out to warps with little room, and run. What limbs.c takes is the best of many deals
-   of robots (dag/test_limbs); here every deal is run. It would catch a value that is read where it is not, one that is lost in its
-   slot while another warp needs it, which threads read in time now and then; and slots, phases and operations counted wrong, by
-   which a worse deal is taken, or none, with the same numbers. */
+/* Lines of small plans that are drawn, dealt out to warps with little room, and run. What limbs.c takes is the best of many
+   deals of robots (dag/test_limbs); here every deal is run. It would catch a value that is read where it is not; one that is
+   written over in its slot while another warp needs it, which threads read in time now and then; and slots, phases and operations
+   counted wrong, by which a worse deal is taken, or none, with the same numbers. */
 #include "plan/drawn.h"
 #include "plan/limbs/deal.h"
 #include "support/suite.h"
@@ -275,8 +275,8 @@ START_TEST(test_drawn)
 		arena_free(&a);
 	}
 	free(c);
-	ck_assert_msg(deals > PLANS && phases > PLANS / 4 && shared > PLANS / 20, "%d deals, %d of three phases, %d that share slots", deals,
-		phases, shared);
+	ck_assert_msg(deals > PLANS && phases > PLANS / 4 && shared > PLANS / 20,
+		"%d deals, %d of three phases, %d that share slots", deals, phases, shared);
 }
 END_TEST
 

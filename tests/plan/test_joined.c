@@ -173,7 +173,8 @@ static void draw(struct case_ *c, struct rng *r, struct arena *a)
 {
 	double apart = rng_chance(r, 0.5) ? 0 : 0.05;
 
-	*c = (struct case_){.rows = BASE_ROWS + 1 + rng_below(r, MOST_ROWS - BASE_ROWS), .base_rows = rng_chance(r, 0.5) ? BASE_ROWS : 0};
+	*c = (struct case_){.rows = BASE_ROWS + 1 + rng_below(r, MOST_ROWS - BASE_ROWS)};
+	c->base_rows = rng_chance(r, 0.5) ? BASE_ROWS : 0;
 	draw_tree(c);
 	dag_init(&c->dag, a);
 	dag_argument_of(&c->dag, (struct argument){.name = "q", .rows = c->rows + (c->base_rows > 0), .role = ROLE_JOINT_POSITION});
