@@ -220,13 +220,10 @@ static int takes_main(const struct request *k)
 	return k->is_forward;
 }
 
-/* Of a body that has been entered where nothing accelerates: dJ/dt qd of what it carries. */
-static void rate_entered(const struct tour *r, int body)
+/* Factors need the Jacobians of what stands before qdd is found. */
+static int is_without_qdd(const struct build *b, struct joint_inputs in)
 {
-	const struct motion *m = &r->frames[body + 1].motion;
-	const struct build *b = r->context;
-
-	kinematics_rate(&b->places, body, &(struct carried_motion){m->v, m->w, m->a, m->dw});
+	return b->k->is_forward && in.qdd.argument < 0 && !in.qdd.found;
 }
 
 void want_places(struct build *b, struct joint_inputs in)
@@ -234,24 +231,9 @@ void want_places(struct build *b, struct joint_inputs in)
 	if (b->places.bodies)
 		return;
 	b->places = (struct kinematics){.d = b->d, .t = b->t, .k = b->k, .in = in, .parameters = b->parameters,
-		.outputs = b->outputs, .gives_rate = want_gives_rate(b) && !is_gravity_alone(b)};
+		.outputs = b->outputs, .gives_rate = is_without_qdd(b, in) || (want_gives_rate(b) && !is_gravity_alone(b))};
 	if (request_wants_any(b->k, IS_PLACED) || b->k->contact_count)
 		kinematics_run(&b->places);
-}
-
-static void run_kinematics(struct build *b, struct joint_inputs in)
-{
-	static const struct ref nothing[3] = {{0}, {0}, {0}};
-	struct tour r = want_tour(b, in);
-
-	want_places(b, in);
-	if (!request_wants(b->k, WANT_DJACOBIAN))
-		return;
-	dag_section(b->d, SECTION_RATE, 0);
-	r.in.qdd = (struct source){.argument = -1};
-	r.gravity = nothing;
-	r.entered = rate_entered;
-	tour_run(&r);
 }
 
 static int alloc(struct build *b)
@@ -327,10 +309,12 @@ static struct joint_inputs declare_inputs(const struct build *b, struct forward 
 		.by_halves = k->is_motion && k->pose == POSE_QUATERNION && request_wants(k, WANT_POSE)};
 
 	in.qd = source(b->d, INPUT_QD, k->qd, b->t->nv);
-	if (k->is_forward)
+	if (k->is_forward) {
 		x->torques = source(b->d, INPUT_TAU, k->tau, b->t->nv);
-	else
+		in.qdd.argument = -1; /* until it is found */
+	} else {
 		in.qdd = source(b->d, INPUT_QDD, k->qdd, b->t->nv);
+	}
 	return in;
 }
 
@@ -338,7 +322,7 @@ static struct joint_inputs declare_inputs(const struct build *b, struct forward 
 static void run_outputs(struct build *b, struct joint_inputs in)
 {
 	in.is_again = is_made_again(b);
-	run_kinematics(b, in);
+	want_kinematics(b, in);
 	if (is_gravity_alone(b))
 		run_gravity(b, in, want_output(b, WANT_TAU), -1);
 	else if (takes_main(b->k))

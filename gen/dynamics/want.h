@@ -65,6 +65,9 @@ const char *want_of(const char *word);
 /* Where bodies are, in b->places, with what is wanted of that. */
 void want_places(struct build *b, struct joint_inputs in);
 
+/* That, and what takes qdd too, which is found by then. */
+void want_kinematics(struct build *b, struct joint_inputs in);
+
 /* Does the main tour find what makes the rate of the momentum? And that rate, from it. */
 int want_gives_rate(const struct build *b);
 void want_rate(const struct build *b, const struct tour *r);

@@ -153,13 +153,14 @@ void want_leaving(const struct tour *r, int body)
 
 /* ---- when it is back ---- */
 
-/* Where nothing else pulls, and the ground holds nothing, the first wrench is what all that moves takes. */
+/* Where nothing else pulls, no link stands, and the ground holds nothing, the first wrench is what all that moves takes. */
 int want_gives_rate(const struct build *b)
 {
 	for (int k = 0; k < b->t->body_count; k++)
 		if (lumps_is_held(b->t, k))
 			return 0;
-	return request_wants(b->k, WANT_TAU) && request_wants(b->k, WANT_DMOMENTUM) && !b->k->push_count;
+	return request_wants(b->k, WANT_TAU) && request_wants(b->k, WANT_DMOMENTUM) && !b->k->push_count &&
+	       !b->k->contact_count;
 }
 
 void want_rate(const struct build *b, const struct tour *r)
@@ -167,6 +168,53 @@ void want_rate(const struct build *b, const struct tour *r)
 	const struct svec g = {{b->gravity[0], b->gravity[1], b->gravity[2]}};
 	const struct frame *first = r->frames + 1 + b->places.hub;
 
-	if (b->places.gives_rate && !b->d->failed)
+	if (want_gives_rate(b) && b->places.gives_rate && !b->d->failed)
 		kinematics_momentum_rate(&b->places, first->f, first->n, g);
+}
+
+/* ---- where things are ---- */
+
+/* Of a body that has been entered where nothing accelerates: dJ/dt qd of what it carries. */
+static void rate_entered(const struct tour *r, int body)
+{
+	const struct motion *m = &r->frames[body + 1].motion;
+	const struct build *b = r->context;
+
+	kinematics_rate(&b->places, body, &(struct carried_motion){m->v, m->w, m->a, m->dw});
+}
+
+/* The rate of the momentum alone, where places were there before qdd. */
+static void run_rate(struct build *b, struct joint_inputs in)
+{
+	struct request k = *b->k;
+	struct want *w = arena_alloc(b->d->arena, 1, sizeof *w);
+	int argument = want_output(b, WANT_DMOMENTUM);
+	struct kinematics x = {.d = b->d, .t = b->t, .k = &k, .in = in, .parameters = b->parameters, .outputs = &argument};
+
+	if (!w) {
+		b->d->failed = 1;
+		return;
+	}
+	*w = (struct want){.kind = WANT_DMOMENTUM};
+	k.wants = w;
+	k.want_count = 1;
+	kinematics_run(&x);
+}
+
+void want_kinematics(struct build *b, struct joint_inputs in)
+{
+	static const struct ref nothing[3] = {{0}, {0}, {0}};
+	struct tour r = want_tour(b, in);
+	int was_early = b->places.bodies != NULL;
+
+	want_places(b, in);
+	if (was_early && request_wants(b->k, WANT_DMOMENTUM))
+		run_rate(b, in);
+	if (!request_wants(b->k, WANT_DJACOBIAN))
+		return;
+	dag_section(b->d, SECTION_RATE, 0);
+	r.in.qdd = (struct source){.argument = -1};
+	r.gravity = nothing;
+	r.entered = rate_entered;
+	tour_run(&r);
 }

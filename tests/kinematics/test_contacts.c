@@ -1,7 +1,8 @@
 /* Links that stand, in quad precision against the independent reference: with the forces found as pushes from outside, inverse
    dynamics at the qdd found gives tau back, and the links have no acceleration. Derivatives: along jvp both stay so to first
-   order, vjp is its transpose, and the matrices are its columns. Robots and random trees. Would catch a force of the wrong
-   sign, axes or point, rows of two contacts exchanged, and what is left out when forces vary. */
+   order, vjp is its transpose, and the matrices are its columns; momentum changes as it does at the qdd found. Robots and random
+   trees. Would catch a force of the wrong sign, axes or point, rows of two contacts exchanged, what is left out when forces vary,
+   and forces left out of what is summed up. */
 #define _POSIX_C_SOURCE 200809L
 #include "kinematics/kin_case.h"
 #include "reference/differences.h"
@@ -156,6 +157,25 @@ static void check_found(struct kin_case *c)
 		kin_expect(c, "acceleration of what stands", i, 0, a[i], demanded(c, i), 50 * NOISE * (10 + largest(c->qdd, nv)));
 }
 
+/* Momentum and its rate at the qdd found, beside the reference's. */
+static void check_momentum(struct kin_case *c)
+{
+	const struct request *k = &c->analysis.request;
+
+	for (int i = 0; i < k->stored_count; i++) {
+		struct kin_matrix found, m;
+
+		if (k->wants[i].kind != WANT_MOMENTUM && k->wants[i].kind != WANT_DMOMENTUM)
+			continue;
+		found = kin_found(c, &k->wants[i], c->out);
+		m = kin_expected(c, &k->wants[i]);
+		for (int j = 0; j < m.lines; j++)
+			kin_expect(c, k->wants[i].word, j, 0, found.x[j], m.x[j], 50 * NOISE * (10 + largest(m.x, m.lines) + found.size[j]));
+		kin_matrix_free(&found);
+		kin_matrix_free(&m);
+	}
+}
+
 /* ---- derivatives ---- */
 
 /* The state moved by h along the direction and along the jvp of qdd and of all forces. */
@@ -259,7 +279,7 @@ static void add_wants(char *scene)
 		}
 	}
 	/* rows of products are those of contacts, which welds follow */
-	snprintf(scene + strlen(scene), TEXT - strlen(scene), "want %s,dqdd_dq,dqdd_dqd\njvp %s\nvjp %s\n", forces, forces, forces);
+	snprintf(scene + strlen(scene), TEXT - strlen(scene), "want %s,momentum,dmomentum,dqdd_dq,dqdd_dqd\njvp %s\nvjp %s\n", forces, forces, forces);
 	free(lines);
 }
 
@@ -275,6 +295,7 @@ static int check(struct kin_case *c, const char *urdf, const char *scene, enum r
 		kin_draw(c);
 		kin_evaluate(c);
 		check_found(c);
+		check_momentum(c);
 		check_jvp(c);
 		check_vjp(c);
 		check_matrices(c);
