@@ -28,7 +28,7 @@ static void read_operands(struct readings *r, struct ref x, uint32_t line)
 {
 	const struct node *n = &r->plan->dag->nodes[x.i];
 
-	r->weight[line] += n->op == OP_SIN ? SINCOS_OPERATIONS : n->op != OP_INPUT;
+	r->weight[line] += n->op == OP_SIN || n->op == OP_COS ? SINCOS_OPERATIONS : n->op != OP_INPUT;
 	for (int k = 0; k < op_arity[n->op]; k++)
 		read_value(r, n->arg[k], line);
 }
