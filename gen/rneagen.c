@@ -188,8 +188,8 @@ static enum rneagen_code limbs_make_all(struct generation *g)
 		return RNEAGEN_OK;
 	if ((!are_apart && !g->is_transposed && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
 		return a->error->code;
-	limbs_beside(&g->functions[0].limbs, g->parts, g->part_count, &a->request, &a->options);
-	return !g->relay || relay_limbs(g->relay, &a->request, &o, a->arena) ? RNEAGEN_OK : error_memory(a->error);
+	limbs_beside(&g->functions[0].limbs, g->parts, g->part_count, &a->options);
+	return !g->relay || relay_limbs(g->relay, &o, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
 static enum rneagen_code warn(struct generation *g)

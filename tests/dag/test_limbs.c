@@ -276,10 +276,10 @@ static const struct chosen {
 	int warps;
 } CHOSEN[] = {
 	{"atlas", "", RNEAGEN_FIXED, RNEAGEN_F32, 4},
-	{"atlas", "want qdd\n", RNEAGEN_FIXED, RNEAGEN_F64, 3},
-	{"hyq", "want qdd\n", RNEAGEN_FLOATING, RNEAGEN_F64, 3},
+	{"atlas", "want qdd\n", RNEAGEN_FIXED, RNEAGEN_F64, 4},
+	{"hyq", "want qdd\n", RNEAGEN_FLOATING, RNEAGEN_F64, 4},
 	{"shadow_hand_right", "want tau,vjp\n", RNEAGEN_FIXED, RNEAGEN_F64, 8},
-	{"chain_75", "", RNEAGEN_FIXED, RNEAGEN_F64, 8},
+	{"chain_75", "", RNEAGEN_FIXED, RNEAGEN_F64, 4},
 };
 
 START_TEST(test_chosen)

@@ -1,7 +1,8 @@
 /* Lines of small plans that are drawn, dealt out to warps with little room, and run. What limbs.c takes is the best of many
    deals of robots (dag/test_limbs); here every deal is run. It would catch a value that is read where it is not; one that is
-   written over in its slot while another warp needs it, which threads read in time now and then; and slots, phases and operations
-   counted wrong, by which a worse deal is taken, or none, with the same numbers. */
+   written over in its slot while another warp needs it, which threads read in time now and then; slots held too long; two warps that
+   make the same where none may; and slots, phases and operations counted wrong, by which a worse deal is taken, or none, with the
+   same numbers. */
 #include "plan/drawn.h"
 #include "plan/limbs/deal.h"
 #include "support/suite.h"
@@ -10,11 +11,10 @@
 
 enum { PLANS = 1500, MOST_NODES = 64, MOST_SLOTS = 64, JOIN = 7 };
 
-/* A value that waits in a slot: its node and the phases in which it is written, fetched for the last time, and read for the last
-   time by a warp that has fetched it. */
+/* A value that waits in a slot: its node and the phases in which it is written, and fetched for the last time. */
 struct kept {
 	uint32_t node;
-	int slot, phase, last, read;
+	int slot, phase, last;
 };
 
 struct case_ {
@@ -31,7 +31,7 @@ struct case_ {
 static unsigned written(const struct plan *p, uint32_t node, int is_own_line)
 {
 	const struct node *n = &p->dag->nodes[node];
-	unsigned sum = n->op == OP_SIN ? 24 : n->op != OP_INPUT && n->op != OP_CONST;
+	unsigned sum = n->op == OP_SIN || n->op == OP_COS ? 24 : n->op != OP_INPUT && n->op != OP_CONST;
 
 	if (!is_own_line && p->names[node])
 		return 0;
@@ -62,7 +62,7 @@ static void find_kept(struct case_ *c)
 				continue;
 			if (c->kept_count == MOST_SLOTS * MOST_PHASES || (int)l->index >= c->limbs.slots)
 				ck_abort_msg("seed %llu: slot %zu of %d", c->seed, l->index, c->limbs.slots);
-			c->kept[c->kept_count++] = (struct kept){l->value.i, (int)l->index, (int)phase, (int)phase, (int)phase};
+			c->kept[c->kept_count++] = (struct kept){l->value.i, (int)l->index, (int)phase, (int)phase};
 		}
 }
 
@@ -77,18 +77,10 @@ static void fetch(struct case_ *c, const struct line *l, int phase)
 	ck_abort_msg("seed %llu: node %u is fetched in phase %d, and not there", c->seed, l->value.i, phase);
 }
 
-/* By a warp that has fetched it, if it was kept at all. */
-static void note_reading(struct case_ *c, uint32_t node, int phase)
-{
-	for (int i = 0; i < c->kept_count; i++)
-		if (c->kept[i].node == node && c->kept[i].read < phase)
-			c->kept[i].read = phase;
-}
-
 static void run_warp(struct case_ *c, int warp)
 {
 	const struct plan *p = &c->limbs.plans[warp];
-	unsigned char has[MOST_NODES] = {0}, reads[MOST_NODES], paid[MOST_NODES] = {0}, fetched[MOST_NODES] = {0};
+	unsigned char has[MOST_NODES] = {0}, reads[MOST_NODES], paid[MOST_NODES] = {0};
 	int phase = 0;
 
 	for (const struct line *l = p->lines; l < p->lines + p->line_count; l++) {
@@ -100,8 +92,6 @@ static void run_warp(struct case_ *c, int warp)
 		for (uint32_t i = 0; i < p->dag->count; i++) {
 			if (reads[i] && !has[i]) /* an assertion costs time even where it holds */
 				ck_abort_msg("seed %llu: warp %d reads node %u, which it has not", c->seed, warp, i);
-			if (reads[i] && fetched[i])
-				note_reading(c, i, phase);
 			/* an input counts where it is read first */
 			c->load[phase][warp] += reads[i] && p->dag->nodes[i].op == OP_INPUT && !paid[i]++;
 		}
@@ -109,8 +99,6 @@ static void run_warp(struct case_ *c, int warp)
 			has[made[k]] = 1;
 		if (l->kind == LINE_STORE)
 			c->stored[l->index]++;
-		if (l->kind == LINE_FETCH)
-			fetched[l->value.i] = 1;
 		if (l->kind == LINE_FETCH)
 			fetch(c, l, phase);
 		else if (l->kind != LINE_KEEP && l->kind != LINE_INPUT)
@@ -138,7 +126,7 @@ static void count_fetched(struct case_ *c, int warp)
 	}
 }
 
-/* No slot holds two values at once; there are no more slots than values that whoever fetches them reads, now or later. */
+/* No slot holds two values at once; there are as many slots as values that somebody has still to fetch. */
 static void expect_slots(const struct case_ *c)
 {
 	int most = 0;
@@ -152,13 +140,13 @@ static void expect_slots(const struct case_ *c)
 		int count = 0;
 
 		for (int i = 0; i < c->kept_count; i++)
-			count += c->kept[i].phase <= phase && c->kept[i].read >= phase;
+			count += c->kept[i].phase <= phase && c->kept[i].last >= phase;
 		most = count > most ? count : most;
 	}
 	for (int i = 0; i < c->kept_count; i++)
 		if (c->kept[i].last <= c->kept[i].phase)
 			ck_abort_msg("seed %llu: node %u is kept for nobody", c->seed, c->kept[i].node);
-	ck_assert_msg(c->limbs.slots <= most, "seed %llu: %d slots for %d values", c->seed, c->limbs.slots, most);
+	ck_assert_msg(c->limbs.slots == most, "seed %llu: %d slots for %d values", c->seed, c->limbs.slots, most);
 }
 
 static void expect_loads(const struct case_ *c, const struct dealer *x, const struct deal *deal)
@@ -182,6 +170,17 @@ static void expect_loads(const struct case_ *c, const struct dealer *x, const st
 	ck_assert_msg(x->sum == sum, "seed %llu: all have %u operations, not %u", c->seed, sum, x->sum);
 }
 
+/* Two warps make nothing in the same phase where nothing may be repeated. */
+static void expect_no_repetition(const struct case_ *c, const struct dealer *x)
+{
+	for (uint32_t i = 0; i < x->lines; i++)
+		for (int w = 1; w < x->warps; w++)
+			for (int v = 0; v < w; v++)
+				if (c->plan.lines[i].kind != LINE_INPUT && c->plan.lines[i].kind != LINE_SINE && deal_did(x, w, i) &&
+					deal_did(x, w, i) == deal_did(x, v, i))
+					ck_abort_msg("seed %llu: warps %d and %d make line %u in the same phase", c->seed, v, w, i);
+}
+
 static void expect_runs(struct case_ *c, const struct dealer *x, const struct deal *deal)
 {
 	memset(c->load, 0, sizeof c->load);
@@ -196,6 +195,8 @@ static void expect_runs(struct case_ *c, const struct dealer *x, const struct de
 			ck_abort_msg("seed %llu: output %zu is stored %d times", c->seed, i, c->stored[i]);
 	expect_slots(c);
 	expect_loads(c, x, deal);
+	if (!deal->repeated)
+		expect_no_repetition(c, x);
 }
 
 /* ---- what is drawn ---- */
@@ -226,6 +227,7 @@ static struct deal draw_deal(struct rng *r, unsigned whole)
 	struct deal d = {.warps = 1 + rng_below(r, rng_chance(r, 0.2) ? MOST_WARPS : 4), .has_sines = rng_chance(r, 0.3)};
 	int share = 1 + rng_below(r, 6);
 
+	d.repeated = rng_chance(r, 0.5) ? TOO_MUCH : (unsigned)rng_below(r, 4);
 	for (int i = 0; i < MOST_PHASES; i++)
 		d.most[i] = rng_chance(r, 0.1) ? whole : 4 + (unsigned)rng_below(r, 1 + (int)whole / share);
 	return d;

@@ -5,7 +5,6 @@
 #include "plan/grid/parts.h"
 
 /* Up to how many samples limbs of the whole are launched; as they are where nothing is divided, or by columns. */
-void limbs_beside(struct limbs *whole, const struct part *parts, int count, const struct request *k,
-	const struct rneagen_options *o);
+void limbs_beside(struct limbs *whole, const struct part *parts, int count, const struct rneagen_options *o);
 
 #endif

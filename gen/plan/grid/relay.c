@@ -304,14 +304,14 @@ void relay_dump(const struct relay *r, struct text *out)
 		r->samples);
 }
 
-int relay_limbs(struct relay *r, const struct request *k, const struct rneagen_options *o, struct arena *a)
+int relay_limbs(struct relay *r, const struct rneagen_options *o, struct arena *a)
 {
 	struct function *start = &r->start.function;
 
 	if (!limbs_choose(&start, 1, o, a))
 		return 0;
 	if (r->start_count)
-		limbs_beside_parts(&start->limbs, r->start_count, k, o);
+		limbs_beside_starts(&start->limbs, o);
 	if (o->precision == RNEAGEN_F64 && parts_alive(r->starts, r->start_count) > START_ALIVE_DOUBLE)
 		start->limbs.most = START_MOST;
 	return 1;

@@ -23,7 +23,7 @@ enum rneagen_code relay_or_parts(struct relay **relay, struct part **parts, int 
 	struct rneagen_error *e);
 
 /* The limbs of the first kernel, where small batches have them. Returns 0 when memory runs out. */
-int relay_limbs(struct relay *r, const struct request *k, const struct rneagen_options *o, struct arena *a);
+int relay_limbs(struct relay *r, const struct rneagen_options *o, struct arena *a);
 
 /* Bytes of shared memory of a block of the third kernel. */
 int relay_bytes(const struct relay *r, const struct rneagen_options *o);

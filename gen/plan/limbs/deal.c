@@ -1,6 +1,10 @@
 #include "plan/limbs/deal.h"
 #include <string.h>
 
+/* An operation of any warp is code that the multiprocessor fetches; beyond so many it counts so many percent of one of the
+   longest warp. */
+enum { CODE_ROOM = 2000, CODE_PERCENT = 40 };
+
 /* Is it a line that makes or stores something? Inputs are read wherever they are taken. */
 static int is_work(const struct dealer *x, uint32_t line)
 {
@@ -22,11 +26,11 @@ static int has_crossed(const struct dealer *x, uint32_t line)
 	return x->made[line] && x->made[line] <= x->phase;
 }
 
-/* Operations that a line takes from what is there, for the warps in `warp`; it stops beyond `most`. The lines are in
-   x->walked. */
-static unsigned walk(struct dealer *x, uint32_t line, uint32_t warp, unsigned most)
+/* Operations that a line takes from what is there, for the warps in `warp`; it stops beyond `most`, and returns TOO_MUCH where
+   more than `repeated` of them are made in this phase by another warp. The lines are in x->walked. */
+static unsigned walk(struct dealer *x, uint32_t line, uint32_t warp, unsigned most, unsigned repeated)
 {
-	unsigned cost = 0;
+	unsigned cost = 0, again = 0;
 	uint32_t depth = 0;
 
 	x->now++;
@@ -42,6 +46,9 @@ static unsigned walk(struct dealer *x, uint32_t line, uint32_t warp, unsigned mo
 			continue;
 		}
 		cost += x->weight[i];
+		again += x->made[i] ? x->weight[i] : 0;
+		if (again > repeated)
+			return TOO_MUCH;
 		for (uint32_t k = x->readings.begin[i]; k < x->readings.begin[i + 1]; k++) {
 			uint32_t before = x->readings.made[x->readings.list[k].node];
 
@@ -58,7 +65,7 @@ static unsigned walk(struct dealer *x, uint32_t line, uint32_t warp, unsigned mo
 
 static void take(struct dealer *x, int warp, uint32_t line)
 {
-	x->load[warp] += walk(x, line, 1u << warp, TOO_MUCH);
+	x->load[warp] += walk(x, line, 1u << warp, TOO_MUCH, TOO_MUCH);
 	for (uint32_t k = 0; k < x->walked_count; k++) {
 		uint32_t i = x->walked[k];
 
@@ -71,7 +78,8 @@ static void take(struct dealer *x, int warp, uint32_t line)
 	}
 }
 
-/* To the warp that has most of what it takes, as far as there is room. */
+/* To the warp that has most of what it takes, as far as there is room, and not too much of it is made by another warp: in the
+   next phase that can be fetched. */
 static void offer(struct dealer *x, uint32_t line, unsigned most)
 {
 	unsigned least = TOO_MUCH;
@@ -82,7 +90,7 @@ static void offer(struct dealer *x, uint32_t line, unsigned most)
 
 		if (!limit)
 			continue;
-		cost = walk(x, line, 1u << w, limit);
+		cost = walk(x, line, 1u << w, limit, x->repeated);
 		if (cost > limit || (cost == least && x->load[w] >= x->load[best]))
 			continue;
 		least = cost;
@@ -110,7 +118,7 @@ static void find_cones(struct dealer *x, unsigned most)
 			if (!has_crossed(x, before) && x->cone[before] > least)
 				least = x->cone[before];
 		}
-		x->cone[i] = least > most ? least : walk(x, i, 0, most);
+		x->cone[i] = least > most ? least : walk(x, i, 0, most, TOO_MUCH);
 		if (!x->phase && x->cone[i] <= most)
 			x->first_cone[i] = x->cone[i];
 	}
@@ -173,12 +181,13 @@ static unsigned all_loads(const struct dealer *x)
 	return sum;
 }
 
-static uint32_t lines_left(const struct dealer *x)
+/* Operations of the lines that no warp has made. */
+static unsigned operations_left(const struct dealer *x)
 {
-	uint32_t left = 0;
+	unsigned left = 0;
 
 	for (uint32_t i = 0; i < x->lines; i++)
-		left += is_work(x, i) && !x->made[i];
+		left += is_work(x, i) && !x->made[i] ? x->weight[i] : 0;
 	return left;
 }
 
@@ -196,10 +205,20 @@ unsigned deal_sines_most(const struct dealer *x, int warps)
 	return all * (heaviest + 3);
 }
 
-/* Returns the operations of the longest warp, TOO_MUCH where the phases do not suffice or `enough` is reached. */
+/* At least, where so many operations are left. */
+static unsigned deal_cost(const struct dealer *x, unsigned left)
+{
+	unsigned code = x->sum + left > CODE_ROOM ? x->sum + left - CODE_ROOM : 0;
+
+	return x->longest + left / (unsigned)x->warps + code * CODE_PERCENT / 100;
+}
+
 unsigned deal_run(struct dealer *x, const struct deal *deal, unsigned enough)
 {
+	unsigned left;
+
 	x->warps = deal->warps;
+	x->repeated = deal->repeated;
 	x->longest = x->sum = 0;
 	memset(x->own, 0, x->lines * sizeof *x->own);
 	memset(x->made, 0, x->lines);
@@ -209,10 +228,11 @@ unsigned deal_run(struct dealer *x, const struct deal *deal, unsigned enough)
 		x->longest += longest_load(x) + (x->phase ? x->limits->join : 0);
 		x->sum += all_loads(x);
 		x->phases = x->phase + 1;
-		if (x->longest >= enough)
+		left = operations_left(x);
+		if (deal_cost(x, left) >= enough)
 			return TOO_MUCH;
-		if (!lines_left(x))
-			return x->longest;
+		if (!left)
+			return deal_cost(x, 0);
 	}
 	return TOO_MUCH;
 }
@@ -238,6 +258,8 @@ int deal_begin(struct dealer *x)
 	x->seen = arena_alloc(x->a, n, sizeof *x->seen);
 	x->stack = arena_alloc(x->a, n, sizeof *x->stack);
 	x->walked = arena_alloc(x->a, n, sizeof *x->walked);
+	x->last_read = arena_take(x->a, x->p->dag->count, sizeof *x->last_read);
+	x->ends = arena_take(x->a, n + 2, sizeof *x->ends);
 	x->crossing = (struct crossing){.slot = arena_take(x->a, x->p->dag->count, sizeof *x->crossing.slot),
 		.last = arena_alloc(x->a, x->p->dag->count, 1), .seen = arena_alloc(x->a, x->p->dag->count, 1)};
 	if (!readings_make(&x->readings, x->p, x->a) || x->a->failed)

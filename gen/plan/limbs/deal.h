@@ -8,10 +8,11 @@
 /* A phase takes for each warp at most so many operations; which, is tried from a share of the whole up to the whole. */
 enum { MOST_WARPS = 16, MOST_PHASES = 8, TOO_MUCH = 1 << 30 };
 
-/* What to try: the operations that a warp may take in each phase; whether sines come first, in a phase of their own. */
+/* What to try: the operations that a warp may take in each phase; how many of a line's, with all that it takes, another warp may
+   make in the same phase too; whether sines come first, in a phase of their own. */
 struct deal {
 	int warps, has_sines;
-	unsigned most[MOST_PHASES];
+	unsigned most[MOST_PHASES], repeated;
 };
 
 /* Values that go from warp to warp. */
@@ -36,7 +37,8 @@ struct dealer {
 	uint32_t *seen, now;       /* by line: the walk that has been there */
 	uint32_t *stack, *walked, walked_count;
 	struct crossing crossing;
-	unsigned load[MOST_WARPS];
+	uint32_t *last_read, *ends; /* of a warp, by node: which of its lines reads it last; by line: how many it is the last to read */
+	unsigned load[MOST_WARPS], repeated;
 	int warps, phase;
 	/* what a deal comes to */
 	unsigned longest, sum; /* operations of the longest warp, and of all */
@@ -46,7 +48,8 @@ struct dealer {
 /* Arrays of a dealer whose p, limits, a and lines are set. Returns 0 when memory runs out. */
 int deal_begin(struct dealer *x);
 
-/* Deal out. Returns the operations of the longest warp, TOO_MUCH where the phases do not suffice or `enough` is reached. */
+/* Deal out. Returns the cost: the operations of the longest warp, and a share of those of all; TOO_MUCH where the phases do not
+   suffice or `enough` is reached. */
 unsigned deal_run(struct dealer *x, const struct deal *deal, unsigned enough);
 
 /* 1 + the phase in which a warp makes a line; 0: it does not. */
@@ -60,8 +63,9 @@ static inline unsigned char deal_did(const struct dealer *x, int warp, uint32_t 
 unsigned deal_sines_most(const struct dealer *x, int warps);
 unsigned deal_weight(const struct readings *r, size_t line);
 
-/* Slots that the deal takes which was run last; its lines, a plan for each warp. */
+/* Of the deal which was run last: slots that it takes; values that a warp has at once; its lines, a plan for each warp. */
 int deal_slots(struct dealer *x);
+int deal_alive(struct dealer *x);
 void deal_plans(struct dealer *x, struct limbs *s);
 
 #endif

@@ -4,20 +4,27 @@
 
 /* ---- what goes across ---- */
 
-/* Which values cross, and up to which phase. */
+/* Which values cross, and up to which phase: a warp fetches one in the phase in which it reads it first. */
+static void find_crossing_of(const struct dealer *x, struct crossing *c, int w)
+{
+	memset(c->seen, 0, x->p->dag->count);
+	for (int phase = 0; phase < x->phases; phase++)
+		for (uint32_t i = 0; i < x->lines; i++)
+			for (uint32_t k = x->readings.begin[i]; deal_did(x, w, i) == phase + 1 && k < x->readings.begin[i + 1]; k++) {
+				uint32_t node = x->readings.list[k].node;
+
+				if (c->seen[node] || deal_did(x, w, x->readings.made[node]))
+					continue;
+				c->seen[node] = 1;
+				c->slot[node] = 0;
+				c->last[node] = phase > c->last[node] ? (unsigned char)phase : c->last[node];
+			}
+}
+
 static void find_crossing(const struct dealer *x, struct crossing *c)
 {
 	for (int w = 0; w < x->warps; w++)
-		for (uint32_t i = 0; i < x->lines; i++)
-			for (uint32_t k = x->readings.begin[i]; deal_did(x, w, i) && k < x->readings.begin[i + 1]; k++) {
-				uint32_t node = x->readings.list[k].node;
-				unsigned char phase = (unsigned char)(deal_did(x, w, i) - 1);
-
-				if (deal_did(x, w, x->readings.made[node]))
-					continue;
-				c->slot[node] = 0;
-				c->last[node] = phase > c->last[node] ? phase : c->last[node];
-			}
+		find_crossing_of(x, c, w);
 }
 
 static int choose_slots(const struct dealer *x, struct crossing *c)
@@ -49,6 +56,83 @@ int deal_slots(struct dealer *x)
 	memset(x->crossing.last, 0, x->p->dag->count);
 	find_crossing(x, &x->crossing);
 	return choose_slots(x, &x->crossing);
+}
+
+/* ---- values at once ---- */
+
+/* Inputs are there from the start; a warp's other lines are numbered from 1, in its order. */
+static void find_ends(struct dealer *x, int w)
+{
+	uint32_t now = 0;
+
+	memset(x->last_read, 0, x->p->dag->count * sizeof *x->last_read);
+	memset(x->ends, 0, (x->lines + 2) * sizeof *x->ends);
+	for (int phase = 0; phase < x->phases; phase++)
+		for (uint32_t i = 0; i < x->lines; i++) {
+			struct ref made[2];
+
+			if (deal_did(x, w, i) != phase + 1 || x->p->lines[i].kind == LINE_INPUT)
+				continue;
+			now++;
+			for (int k = readings_made(x->p, &x->p->lines[i], made); k-- > 0;)
+				x->last_read[made[k].i] = now;
+			for (uint32_t k = x->readings.begin[i]; k < x->readings.begin[i + 1]; k++)
+				x->last_read[x->readings.list[k].node] = now;
+		}
+	for (uint32_t i = 0; i < x->p->dag->count; i++)
+		x->ends[x->last_read[i]]++;
+}
+
+/* Values that a line fetches, and makes. */
+static int new_values(struct dealer *x, uint32_t i)
+{
+	unsigned char *seen = x->crossing.seen;
+	struct ref made[2];
+	int count = readings_made(x->p, &x->p->lines[i], made), fetched = 0;
+
+	for (uint32_t k = x->readings.begin[i]; k < x->readings.begin[i + 1]; k++) {
+		uint32_t node = x->readings.list[k].node;
+
+		fetched += !seen[node];
+		seen[node] = 1;
+	}
+	for (int k = 0; k < count; k++)
+		seen[made[k].i] = 1;
+	return fetched + count;
+}
+
+static int alive_of(struct dealer *x, int w)
+{
+	uint32_t now = 0;
+	int alive = 0, most;
+
+	find_ends(x, w);
+	memset(x->crossing.seen, 0, x->p->dag->count);
+	for (uint32_t i = 0; i < x->lines; i++)
+		if (deal_did(x, w, i) && x->p->lines[i].kind == LINE_INPUT)
+			alive += new_values(x, i);
+	most = alive;
+	for (int phase = 0; phase < x->phases; phase++)
+		for (uint32_t i = 0; i < x->lines; i++) {
+			if (deal_did(x, w, i) != phase + 1 || x->p->lines[i].kind == LINE_INPUT)
+				continue;
+			alive += new_values(x, i);
+			most = alive > most ? alive : most;
+			alive -= (int)x->ends[++now];
+		}
+	return most;
+}
+
+int deal_alive(struct dealer *x)
+{
+	int most = 0;
+
+	for (int w = 0; w < x->warps; w++) {
+		int alive = alive_of(x, w);
+
+		most = alive > most ? alive : most;
+	}
+	return most;
 }
 
 /* ---- the warps' lines ---- */

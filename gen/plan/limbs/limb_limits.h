@@ -8,14 +8,19 @@
    where that pays; what the kernel needs to know of all is in the limbs of each. Returns 0 when memory runs out. */
 int limbs_choose(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a);
 
-/* Of the whole, beside so many parts that share nothing (one: all limbs, with motion made again): for fewer samples where these
-   are as fast. */
-void limbs_beside_parts(struct limbs *s, int parts, const struct request *k, const struct rneagen_options *o);
+/* Of the whole, beside so many parts that share nothing; one: all limbs, with motion made again. */
+void limbs_beside_limbs(struct limbs *s, int parts, const struct rneagen_options *o);
+
+/* Beside kernels of which one makes hands (plan/grid/hands). */
+void limbs_beside_hands(struct limbs *s, const struct rneagen_options *o);
+
+/* Beside the parts of a relay's start (plan/grid/relay.h). */
+void limbs_beside_starts(struct limbs *s, const struct rneagen_options *o);
 
 /* Beside the sides of a base that moves (plan/grid/hands/base_sides.c). */
 void limbs_beside_sides(struct limbs *s, const struct rneagen_options *o);
 
 /* Beside kernels that make the base's acceleration first (plan/grid/base_first.h): for more samples. */
-void limbs_beside_base(struct limbs *s);
+void limbs_beside_base(struct limbs *s, const struct rneagen_options *o);
 
 #endif

@@ -6,6 +6,9 @@
 /* Long plans are refined once: gradients of atlas take half a second, and warps come out as short. */
 enum { TRIES = 12, LONG_PLAN = 4000 };
 
+/* Operations that two warps may make in one phase. */
+static const unsigned REPEATED[] = {25, 12, 100, 400};
+
 /* ---- which deal ---- */
 
 static void set_most(struct deal *d, int from, unsigned most)
@@ -16,9 +19,13 @@ static void set_most(struct deal *d, int from, unsigned most)
 
 static void keep_better(struct dealer *x, const struct deal *d, struct deal *best, unsigned *least)
 {
-	unsigned cost = deal_run(x, d, *least);
+	unsigned cost = deal_run(x, d, *least), alive;
 
 	if (cost >= *least || deal_slots(x) > (int)x->limits->across)
+		return;
+	alive = (unsigned)deal_alive(x);
+	cost += alive > x->limits->values ? (alive - x->limits->values) * x->limits->for_spilled : 0;
+	if (cost >= *least)
 		return;
 	*least = cost;
 	*best = *d;
@@ -58,44 +65,17 @@ static void refine(struct dealer *x, int rounds, struct deal *best, unsigned *le
 		}
 }
 
-static struct deal choose(struct dealer *x, unsigned whole, unsigned *least)
+static struct deal choose(struct dealer *x, unsigned whole)
 {
 	struct deal best = {0};
+	unsigned least = TOO_MUCH;
 
-	*least = TOO_MUCH;
-	for (int sines = 0; sines < 2; sines++) {
-		struct deal d = {.warps = x->limits->warps, .has_sines = sines};
-
-		if (sines && !deal_sines_most(x, 1))
-			continue;
-		try_rooms(x, d, whole, &best, least);
-	}
+	for (size_t i = 0; i < sizeof REPEATED / sizeof *REPEATED; i++)
+		for (int sines = 0; sines < (deal_sines_most(x, 1) ? 2 : 1); sines++)
+			try_rooms(x, (struct deal){.warps = x->limits->warps, .has_sines = sines, .repeated = REPEATED[i]}, whole, &best, &least);
 	if (best.warps)
-		refine(x, whole > LONG_PLAN ? 1 : 2, &best, least);
+		refine(x, whole > LONG_PLAN ? 1 : 2, &best, &least);
 	return best;
-}
-
-/* Values that have names, each from its line to the last that reads it. */
-static int alive_in(const struct plan *p, struct arena *a)
-{
-	struct readings r;
-	uint32_t *ends = arena_alloc(a, p->line_count + 1, sizeof *ends); /* by line: values that it is the last to read */
-	int alive = 0, most = 0;
-
-	if (!ends || !readings_make(&r, p, a))
-		return 0;
-	for (size_t i = 0; i < p->dag->count; i++)
-		ends[r.last[i]]++;
-	for (size_t i = 0; i < p->line_count; i++) {
-		struct ref made[2];
-
-		alive += readings_made(p, &p->lines[i], made);
-		most = alive > most ? alive : most;
-		alive -= i ? (int)ends[i] : 0;
-	}
-	readings_free(&r, a);
-	arena_release(a, ends);
-	return most;
 }
 
 unsigned limbs_operations(const struct plan *p, struct arena *a)
@@ -125,7 +105,7 @@ int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits 
 	struct dealer x = {.p = p, .limits = limits, .a = a};
 	struct plan with;
 	struct deal best;
-	unsigned whole = limbs_operations(p, a), least;
+	unsigned whole = limbs_operations(p, a);
 
 	*s = (struct limbs){0};
 	if (limits->has_first_sines && first_sines_make(&with, &s->first, p, a))
@@ -133,20 +113,18 @@ int limbs_make(struct limbs *s, const struct plan *p, const struct limbs_limits 
 	x.lines = (uint32_t)x.p->line_count;
 	if (!deal_begin(&x))
 		return 0;
-	best = choose(&x, whole, &least);
+	best = choose(&x, whole);
 	s->whole = whole;
-	s->longest = least;
-	if (!best.warps || 10 * (double)least > 9 * (double)whole)
+	if (!best.warps)
 		return 1;
 	deal_run(&x, &best, TOO_MUCH);
+	s->longest = x.longest;
+	if (10 * (double)x.longest > 9 * (double)whole)
+		return 1;
 	s->sum = x.sum;
 	deal_plans(&x, s);
 	place_table(s);
-	for (int w = 0; w < s->warps; w++) {
-		int alive = alive_in(&s->plans[w], a);
-
-		s->alive = alive > s->alive ? alive : s->alive;
-	}
+	s->alive = deal_alive(&x);
 	return !a->failed;
 }
 
@@ -170,8 +148,8 @@ void limbs_dump(const struct function *p, struct text *out)
 {
 	const struct limbs *s = &p->limbs;
 
-	text_printf(out, "%s: %d warps, %d phases, %d values across, %u operations instead of %u, %d values at once\n",
-		p->algorithm->name, s->warps, s->phases, s->slots, s->longest, s->whole, s->alive);
+	text_printf(out, "%s: %d warps, %d phases, %d values across, %u operations instead of %u, %u by all warps, %d values at once\n",
+		p->algorithm->name, s->warps, s->phases, s->slots, s->longest, s->whole, s->sum, s->alive);
 	for (int w = 0; w < s->warps; w++)
 		put_warp(&s->plans[w], w, out);
 }

@@ -9,6 +9,7 @@ struct limbs_limits {
 	int warps;         /* that share a sample */
 	unsigned across;   /* values in shared memory at most, beside a table of sines */
 	unsigned join;     /* what it costs to wait for all warps, in operations */
+	unsigned values, for_spilled; /* what each value beyond so many costs that a warp has at once */
 	int has_first_sines; /* if all angles are made of one input each */
 };
 
