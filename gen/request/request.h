@@ -163,6 +163,9 @@ int request_bounds_angles(const struct request *k, const struct tree *t, double 
 /* Has every row its value? */
 int request_has_all(const struct row *rows, int count);
 
+/* What the scene calls an input or output of the text: "jvp_v.payload.hand" of jvp_v_payload_hand. */
+void request_put_word(const struct request *k, const char *name, int is_output, struct text *out);
+
 /* Is a quantity of this kind made, as an output or for a product; or any with one of these traits? */
 int request_wants(const struct request *k, enum want_kind kind);
 int request_wants_any(const struct request *k, unsigned traits);

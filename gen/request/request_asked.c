@@ -16,6 +16,35 @@ const struct request_range *request_range_of(const struct request *k, const char
 	return narrowest;
 }
 
+static const char *input_word(const struct request *k, const char *name)
+{
+	for (int i = 0; i < k->freed_count; i++)
+		if (!strcmp(k->freed[i].argument, name))
+			return k->freed[i].word;
+	for (int i = 0; i < k->push_count; i++)
+		if (!strcmp(k->pushes[i].argument, name))
+			return k->pushes[i].word;
+	return name;
+}
+
+static const char *output_word(const struct request *k, const char *name)
+{
+	for (int i = 0; i < k->stored_count; i++)
+		if (!strcmp(k->wants[i].argument, name))
+			return k->wants[i].word;
+	return name;
+}
+
+void request_put_word(const struct request *k, const char *name, int is_output, struct text *out)
+{
+	for (int i = 0; i < k->by_count && !is_output; i++)
+		if (!strcmp(k->by[i].direction, name)) {
+			text_printf(out, "jvp_v.%s", k->by[i].word);
+			return;
+		}
+	text_put(out, is_output ? output_word(k, name) : input_word(k, name));
+}
+
 int request_has_all(const struct row *rows, int count)
 {
 	for (int i = 0; i < count; i++)

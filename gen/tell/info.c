@@ -67,6 +67,22 @@ static void put_operations(const struct emission *e, struct text *out)
 		put_limbs("limbs of the start", emit_start_limbs(e), out);
 }
 
+/* By the scene's words, and as the text has them. */
+static void put_arrays(const struct analysis *a, const struct dag *d, int is_output, struct text *out)
+{
+	text_printf(out, "\n%-32s rows  in the text\n", is_output ? "outputs" : "inputs");
+	for (int i = 0; i < d->argument_count; i++) {
+		const struct argument *x = &d->arguments[i];
+		struct text word;
+
+		if (x->is_output != is_output)
+			continue;
+		text_init(&word, a->arena);
+		request_put_word(&a->request, x->name, is_output, &word);
+		text_printf(out, "  %-30s %4d  %s%s\n", text_string(&word), x->rows, x->name, x->per_batch ? ", one for all samples" : "");
+	}
+}
+
 static int is_gravity_free(const struct request *k)
 {
 	for (int i = 0; i < k->freed_count; i++)
@@ -96,6 +112,8 @@ void info_table(const struct info *x, struct text *out)
 		text_printf(out, "%s%s = %.9Lg * %s + %.9Lg\n", i ? "  " : "\nmimic\n  ", t->mimics[i].name,
 			t->mimics[i].multiplier.x, t->mimics[i].driver, t->mimics[i].offset.x);
 	scene_put_table(&a->scene, &a->outcome, out);
+	put_arrays(a, &a->dag, 0, out);
+	put_arrays(a, &a->dag, 1, out);
 	params_put_table(a, out);
 	trig_put_table(a, out);
 	saving_put_table(&x->savings, &a->scene, out);
@@ -133,8 +151,8 @@ static void put_json_joints(const struct tree *t, struct text *out)
 
 static void put_json_array(const struct argument *a, int is_first, struct text *out)
 {
-	text_printf(out, "%s\n      {\"name\": \"%s\", \"rows\": %d, \"role\": \"%s\", \"of\": ", is_first ? "" : ",",
-		a->name, a->rows, role_word(a->role));
+	text_printf(out, "%s\n      {\"name\": \"%s\", \"rows\": %d, \"role\": \"%s\", \"of\": ", is_first ? "" : ",", a->name,
+		a->rows, role_word(a->role));
 	text_put_json(out, a->of ? a->of : "");
 	text_printf(out, ", \"per_batch\": %s}", a->per_batch ? "true" : "false");
 }

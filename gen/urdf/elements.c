@@ -107,6 +107,13 @@ static enum place start_inertial(struct walk *w)
 	return SKIPPED;
 }
 
+/* It closes a loop of joints, in dialects of URDF; left out, the robot would be another one. */
+static void refuse_loop(struct walk *w, const char *name)
+{
+	walk_fail(w, RNEAGEN_TREE, "loop_joint '%.200s' closes a loop, which is not supported: take it out where the loop may be open",
+		name ? name : "");
+}
+
 enum place elements_enter(struct walk *w, const char *element, const char *const *attributes)
 {
 	switch (w->places[w->depth]) {
@@ -115,6 +122,8 @@ enum place elements_enter(struct walk *w, const char *element, const char *const
 	case ROBOT:
 		if (!strcmp(element, "link"))
 			return start_link(w, attributes);
+		if (!strcmp(element, "loop_joint"))
+			refuse_loop(w, values_attribute(attributes, "name"));
 		w->diagnostic->robot->transmission_count += !strcmp(element, "transmission");
 		return strcmp(element, "joint") ? SKIPPED : start_joint(w, attributes);
 	case LINK:

@@ -76,6 +76,17 @@ static void check_axis(const struct joint *j, long line, const struct diagnostic
 			fabs(norm - 1) < 1e-9 ? 13 : 10, norm);
 }
 
+/* That would drive a joint, not brake it. */
+static void check_losses(const struct joint *j, long line, const struct diagnostic *p)
+{
+	if (j->damping.x < 0)
+		diagnostic_warning(p, line, "joint '%s': its damping %g is negative; used as given where damping is asked for", j->name,
+			(double)j->damping.x);
+	if (j->friction.x < 0)
+		diagnostic_warning(p, line, "joint '%s': its friction %g is negative; used as given where friction is asked for", j->name,
+			(double)j->friction.x);
+}
+
 static void check_mimic(struct joint *j, long line, const struct diagnostic *p)
 {
 	const struct joint *driver = &p->robot->joints[j->driver];
@@ -136,6 +147,7 @@ enum rneagen_code robot_check(const struct outline *o, const struct diagnostic *
 	for (int i = 0; i < r->link_count; i++)
 		check_link(&r->links[i], o->links[i].id.line, p);
 	for (int i = 0; i < r->joint_count; i++) {
+		check_losses(&r->joints[i], o->joints[i].id.line, p);
 		if (has_axis(r->joints[i].type))
 			check_axis(&r->joints[i], o->joints[i].id.line, p);
 		if (r->joints[i].driver >= 0)

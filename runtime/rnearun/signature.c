@@ -10,56 +10,30 @@ static const struct freed *find_freed(const struct request *k, const char *name)
 	return NULL;
 }
 
-/* The scene's choices of links that forces act on, in order, are the request's pushes. */
-static const char *push_word(struct analysis *a, const char *name)
-{
-	const struct scene_choice *c = NULL;
-	struct text word;
-
-	text_init(&word, a->arena);
-	for (int i = 0; i < a->request.push_count && (c = scene_next(&a->scene, SCENE_FEXT, c)) != NULL; i++)
-		if (!strcmp(a->request.pushes[i].argument, name))
-			text_printf(&word, "fext.%s", c->name);
-	return word.length ? text_string(&word) : NULL;
-}
-
-/* "jvp_v.payload.hand" */
-static const char *direction_word(struct analysis *a, const char *name)
+static const char *word_of(struct analysis *a, const struct argument *x)
 {
 	struct text word;
 
 	text_init(&word, a->arena);
-	for (int i = 0; i < a->request.by_count; i++)
-		if (!strcmp(a->request.by[i].direction, name))
-			text_printf(&word, "jvp_v.%s", a->request.by[i].word);
-	return word.length ? text_string(&word) : name;
+	request_put_word(&a->request, x->name, x->is_output, &word);
+	return text_string(&word);
 }
 
-static const char *want_word(const struct request *k, const char *name)
+static int is_push(const struct request *k, const char *name)
 {
-	for (int i = 0; i < k->stored_count; i++)
-		if (!strcmp(k->wants[i].argument, name))
-			return k->wants[i].word;
-	return name;
+	for (int i = 0; i < k->push_count; i++)
+		if (!strcmp(k->pushes[i].argument, name))
+			return 1;
+	return 0;
 }
 
 static struct signature_array describe(struct analysis *a, const struct argument *x)
 {
-	struct signature_array s = {.word = x->name, .name = x->name, .rows = (size_t)x->rows, .role = x->role,
-		.is_output = x->is_output, .per_batch = x->per_batch};
-	const struct request *k = &a->request;
-	const struct freed *f = x->is_output ? NULL : find_freed(k, x->name);
-	const char *push = x->is_output || f ? NULL : push_word(a, x->name);
+	const struct freed *f = x->is_output ? NULL : find_freed(&a->request, x->name);
 
-	s.word = x->is_output ? want_word(k, x->name) : direction_word(a, x->name);
-	s.has_default = f || push;
-	if (f) {
-		s.word = f->word;
-		s.nominal = f->kind == FREED_PAYLOAD ? NULL : f->nominal;
-	} else if (push) {
-		s.word = push;
-	}
-	return s;
+	return (struct signature_array){.word = word_of(a, x), .name = x->name, .rows = (size_t)x->rows, .role = x->role,
+		.is_output = x->is_output, .per_batch = x->per_batch, .nominal = f && f->kind != FREED_PAYLOAD ? f->nominal : NULL,
+		.has_default = f || (!x->is_output && is_push(&a->request, x->name))};
 }
 
 int signature_of(struct signature *s, struct analysis *a)
