@@ -35,17 +35,13 @@ enum { START = 330, LATER = 270 };
    and 34.3. */
 enum { SHORT_OPERATIONS = 1500, MOST_SHORT = 16384, MOST_LONG = 4096, MOST_JOINED = 1024 };
 
-/* With sines made first in f64, 2048 samples, whole and limbs: tau of chain_75 43.1 and 27.7, of g1_brainco 21.1 and 18.3,
-   but of jvrc1 7.2 and 7.7; gradients in parts gain nothing there, nor do f32 texts. */
-enum { MOST_FIRST_F64 = 2048 };
-
 /* So many samples are one or two blocks of 32 or 64 for each multiprocessor: up to there limbs win beside segments, sides,
    the two kernels of base_first.h, hands in f64, a whole whose motion is made again, and a whole of more operations than were
    fitted. H200, us by limbs and by the others, of 256, 1024, 4096, 8192 and 16384 samples, floating robots: qdd of atlas in
    f32 6.3 10, 8.4 11, 10 12, 10 13, 18 13, in f64 11 32, 14 33, 15 34, 15 39, 32 48, of jvrc1 17 33, 20 35, 23 35, 23 40, 47
    63; tau and vjp of jvrc1 in f32 12 19, 15 20, 17 23, 17 24, 36 25, in f64 13 36, 17 39, 20 46, 41 70, 86 88; tau of
-   g1_brainco in f64 17 31, 18 33, 20 33, 20 36, 45 69. For 8192 samples limbs
-   lose by tau and vjp of g1_29dof in f64, 33 28, and by tau of chain_75 in f64, 67 46 (results/limbs_beside_h200.csv). */
+   g1_brainco in f64 17 31, 18 33, 20 33, 20 36, 45 69. For 8192 samples limbs lose by tau and vjp of g1_29dof in f64, 33
+   28, and by tau of chain_75 in f64, 67 46 (results/limbs_beside_h200.csv). */
 enum { MOST_BESIDE = 8192, MOST_FITTED = 10000 };
 
 /* In aos there are the limits of before the deals of limbs.c left out what other warps make. H200, us by limbs and by two
@@ -57,15 +53,13 @@ enum { MOST_BESIDE_SEGMENTS_AOS = 4096, MOST_BESIDE_BASE_AOS = 4096, MOST_BESIDE
 /* Parts that share nothing run side by side, and take no longer for few samples. H200, us by limbs and by two parts, of 32,
    256 and 1024 samples: qdd of atlas in f32 4.5 5.6, 5.5 6.1, 7.5 6.4, in f64 7.8 9.5, 8.3 9.1, 10.5 9.9, of baxter 2.4 2.4,
    3.1 3.3, 3.6 2.6, in f64 3.1 3.7, 4.2 4.2, 4.7 3.9; tau and vjp of atlas 4.5 5.5, 5.9 6.1, 6.4 6.7, in f64 9.6 13, 10 13,
-   12 18; tau of atlas in f64 2.9 4.5, 4.1 4.8, 4.5 5.3. Hands in f32: g1_brainco 9.8 10, 10.3 9.4, 12.4 9.7. Beside the parts
-   of a relay's start nothing was measured since. */
-enum { MOST_BESIDE_PARTS = 256, MOST_BESIDE_STARTS_F64 = 32 };
+   12 18; tau of atlas in f64 2.9 4.5, 4.1 4.8, 4.5 5.3. Hands in f32: g1_brainco 9.8 10, 10.3 9.4, 12.4 9.7. chain_75, of
+   more than LONG_HANDS operations, for 1024 samples 15 27, for 4096 18 by limbs. Beside the parts of a relay's start nothing
+   was measured since. */
+enum { MOST_BESIDE_PARTS = 256, MOST_BESIDE_STARTS_F64 = 32, LONG_HANDS = 8000, MOST_BESIDE_LONG_HANDS = 4096 };
 
-/* Limbs that share much, or something and gain little, win within one block alone; one sample and 1024, us, whole and limbs,
-   with values across for 100 operations: both gradients of iiwa14 3.68 and 2.40, 4.08 and 3.63 (3.2); of ur5 2.52 and 2.14,
-   2.59 and 3.18 (7.0); of panda in f64 7.17 and 6.37, 7.54 and 9.32 (5.9); accelerations of floating hyq 4.76 and 3.50, 5.43
-   and 6.17 (9.6). Of panda, which share 1.8, but gain little: 1.84 for one sample, 2.99 for 1024, whole 2.21. */
-enum { MOST_SHARING = 32, SHARED_PERCENT = 4, GAIN_PERCENT = 65 };
+/* Limbs that gain little win within one block alone. */
+enum { MOST_LITTLE = 32, GAIN_PERCENT = 65 };
 
 /* How long limbs take beside the other kernel, for batches of 32, 256, 512 ... 16384: exp((at + the rest) / 1000), where the
    rest is a sum, each by its factor, over the operations of the whole: operations of the longest warp, and of all warps; ten
@@ -207,18 +201,11 @@ static int gains_little(const struct limbs *s)
 	return 100 * (s->longest + START + LATER) > GAIN_PERCENT * (s->whole + START);
 }
 
-static int shares_much(const struct limbs *s)
+/* Of several functions side by side, and of limbs that share nothing, nothing is fitted. */
+static unsigned most_unfitted(const struct limbs *s, int count)
 {
-	return s->slots > 0 && ((unsigned)s->slots * 100 > s->whole * SHARED_PERCENT || gains_little(s));
-}
-
-/* Beside parts nothing is fitted. */
-static unsigned most_unfitted(const struct limbs *s, int count, unsigned bytes)
-{
-	if (count == 1 && shares_much(s))
-		return MOST_SHARING;
-	if (count > 1 || s->words)
-		return count == 1 && bytes == 8 && s->first.count ? MOST_FIRST_F64 : MOST_JOINED;
+	if (count > 1)
+		return MOST_JOINED;
 	return s->whole < SHORT_OPERATIONS ? MOST_SHORT : MOST_LONG;
 }
 
@@ -249,12 +236,12 @@ static unsigned most_samples(struct function *const *functions, int count, const
 	int is_fitted = count == 1 && (p->limbs.words || o->layout == RNEAGEN_AOS), is_soa = o->layout == RNEAGEN_SOA;
 
 	if (count == 1 && p->segments.count && gains_little(&p->limbs))
-		return MOST_SHARING;
+		return MOST_LITTLE;
 	if (count == 1 && p->segments.count)
 		return is_soa ? MOST_BESIDE : MOST_BESIDE_SEGMENTS_AOS;
 	if (count == 1 && is_soa && p->limbs.whole > MOST_FITTED)
 		return MOST_BESIDE;
-	return is_fitted ? most_fitted(p, o, a) : most_unfitted(&p->limbs, count, number_bytes(o));
+	return is_fitted ? most_fitted(p, o, a) : most_unfitted(&p->limbs, count);
 }
 
 /* What all of them have in common. */
@@ -358,7 +345,7 @@ void limbs_beside_hands(struct limbs *s, const struct rneagen_options *o)
 	if (o->layout == RNEAGEN_AOS)
 		s->most = is_f64 ? MOST_BESIDE_HANDS_AOS_F64 : MOST_BESIDE_HANDS_AOS;
 	else
-		s->most = is_f64 ? MOST_BESIDE : MOST_SHARING;
+		s->most = is_f64 ? MOST_BESIDE : s->whole > LONG_HANDS ? MOST_BESIDE_LONG_HANDS : MOST_LITTLE;
 }
 
 void limbs_beside_base(struct limbs *s, const struct rneagen_options *o)
