@@ -6,7 +6,8 @@
 /* Long plans are refined once: gradients of atlas take half a second, and warps come out as short. */
 enum { TRIES = 12, LONG_PLAN = 4000 };
 
-/* Operations that two warps may make in one phase. */
+/* Operations of a line, with all that it takes, that two warps may make in one phase. The least deals of long texts are found by
+   the first of these; then others end early. */
 static const unsigned REPEATED[] = {25, 12, 100, 400};
 
 /* ---- which deal ---- */
