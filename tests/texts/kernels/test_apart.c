@@ -259,8 +259,8 @@ static int has_felt(const struct subject *s)
 	return s->floating && s->hands[1] == 1 && strcmp(s->name, "hyq") && (s->hands[2] == 2 || finds_base(s) || finds_forces(s));
 }
 
-/* Up to fewer samples beside several parts of accelerations and of vjp, but where the base's acceleration comes first, and beside
-   sides of a base; of what finds qdd first two kernels, for as many samples. */
+/* Up to few samples beside several parts that share nothing, to more where the base's acceleration comes first and beside sides
+   of a base; of what finds qdd first two kernels, for as many samples. */
 static void expect_limbs(const struct subject *s, const char *source)
 {
 	const char *line = strstr(source, "\"whole_limbs ");
@@ -280,11 +280,9 @@ static void expect_limbs(const struct subject *s, const char *source)
 	} else if (finds_forces(s))
 		ck_assert(most >= 128 && most <= (strstr(source, "\"start_limbs ") ? 8192 : 4096));
 	else if (finds_base(s) || has_sides(s))
-		ck_assert_uint_ge(most, s->precision == RNEAGEN_F32 ? 1024 : 4096);
-	else if ((s->parts > 1 && (strstr(s->scene, "qdd") || strstr(s->scene, "vjp"))))
-		ck_assert_uint_le(most, 256);
-	else if (!strcmp(s->name, "atlas"))
-		ck_assert_uint_gt(most, 256);
+		ck_assert_uint_ge(most, s->layout == RNEAGEN_SOA ? 8192 : s->precision == RNEAGEN_F32 ? 1024 : 4096);
+	else if (s->parts > 1 && !s->hands[0])
+		ck_assert_uint_eq(most, 256);
 }
 
 /* The launch function runs the kernels of hands in their order, each with its blocks along y, and the own one after them. */
