@@ -12,17 +12,6 @@ enum { MOST_SLOPES = 1 << 24 };
 
 /* ---- the box ---- */
 
-/* The input as --range calls it. */
-static const char *word_of(const struct dropping *p, const struct argument *x)
-{
-	const struct drawn_array *y = draw_array(&p->inputs, x);
-
-	for (int i = 0; i < p->k->push_count; i++)
-		if (!strcmp(p->k->pushes[i].argument, x->name))
-			return p->k->pushes[i].word;
-	return y && y->freed ? y->freed->word : x->name;
-}
-
 /* "qd.elbow", "gravity[2]" */
 static void put_row(const struct dropping *p, const struct argument *x, int row, struct text *out)
 {
@@ -32,7 +21,7 @@ static void put_row(const struct dropping *p, const struct argument *x, int row,
 	if (j && *j->name)
 		text_printf(out, "%s.%s", x->name, j->name);
 	else
-		text_printf(out, "%s[%d]", word_of(p, x), row);
+		text_printf(out, "%s[%d]", request_input_word(p->k, x->name), row);
 }
 
 static int is_known(const struct dropping *p, int argument, int row)
@@ -56,7 +45,7 @@ static void put_missing(const struct dropping *p, int argument, const char *is_r
 		missing += is_read[r] && !is_known(p, argument, r);
 	}
 	if (missing && missing == needed && (needed > 1 || x->rows == 1)) {
-		text_printf(out, "%s%s", out->length ? ", " : "", word_of(p, x));
+		text_printf(out, "%s%s", out->length ? ", " : "", request_input_word(p->k, x->name));
 		return;
 	}
 	for (int r = 0; r < x->rows; r++) {

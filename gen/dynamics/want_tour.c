@@ -187,16 +187,11 @@ static void rate_entered(const struct tour *r, int body)
 static void run_rate(struct build *b, struct joint_inputs in)
 {
 	struct request k = *b->k;
-	struct want *w = arena_alloc(b->d->arena, 1, sizeof *w);
+	struct want rate = {.kind = WANT_DMOMENTUM};
 	int argument = want_output(b, WANT_DMOMENTUM);
 	struct kinematics x = {.d = b->d, .t = b->t, .k = &k, .in = in, .parameters = b->parameters, .outputs = &argument};
 
-	if (!w) {
-		b->d->failed = 1;
-		return;
-	}
-	*w = (struct want){.kind = WANT_DMOMENTUM};
-	k.wants = w;
+	k.wants = &rate;
 	k.want_count = 1;
 	kinematics_run(&x);
 }

@@ -35,7 +35,7 @@ struct kinematics {
 	struct joint_inputs in;                /* q is read */
 	struct parameters *const *parameters;  /* by body, of those whose parameters are no numbers */
 	const int *outputs;                    /* arguments, by want */
-	int gives_rate;                        /* the rate of the momentum comes by kinematics_momentum_rate */
+	int gives_rate;                        /* kinematics_momentum_rate, or a later run, gives the rate of the momentum */
 	int hub;                               /* the only body that the world carries; -1: the world */
 	struct ref mass;                       /* of all that moves, where that is asked for; its centre, seen from the hub */
 	struct svec com;

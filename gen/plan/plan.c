@@ -310,14 +310,15 @@ void plan_dump(const struct plan *p, struct text *t)
 	static const char *const kinds[LINE_KINDS] = {[LINE_SECTION] = "section", [LINE_INPUT] = "input", [LINE_VALUE] = "value",
 		[LINE_SINCOS] = "sincos", [LINE_STORE] = "store", [LINE_FETCH] = "fetch", [LINE_KEEP] = "keep", [LINE_SINE] = "sine",
 		[LINE_JOIN] = "join"};
-	static const char *const kinds_of_section[SECTION_COUNT] = {[SECTION_OUT] = "out", [SECTION_BACK] = "back", [SECTION_END] = "end",
-		[SECTION_FREED] = "freed", [SECTION_TOTALS] = "totals", [SECTION_BIAS] = "bias", [SECTION_GRAVITY] = "gravity",
-		[SECTION_BY] = "by", [SECTION_PRODUCTS] = "products", [SECTION_FACTORS] = "factors", [SECTION_ARTICULATED] = "articulated",
-		[SECTION_INVERSE] = "inverse", [SECTION_RESIDUAL] = "residual", [SECTION_REFINED] = "refined", [SECTION_BOUND] = "bound",
-		[SECTION_REGRESSOR] = "regressor", [SECTION_PLACE] = "place", [SECTION_JACOBIAN] = "jacobian", [SECTION_RATE] = "rate",
-		[SECTION_SUBTREE] = "subtree", [SECTION_CENTROID] = "centroid", [SECTION_FACTORED] = "factored",
-		[SECTION_OPSPACE] = "opspace", [SECTION_CONTACTS] = "contacts", [SECTION_SWEEPS] = "sweeps", [SECTION_ROWS] = "rows",
-		[SECTION_INPUTS] = "inputs", [SECTION_COLUMNS] = "columns", [SECTION_WAY] = "way"};
+	static const char *const kinds_of_section[SECTION_COUNT] = {[SECTION_OUT] = "out", [SECTION_BACK] = "back",
+		[SECTION_END] = "end", [SECTION_FREED] = "freed", [SECTION_TOTALS] = "totals", [SECTION_BIAS] = "bias",
+		[SECTION_GRAVITY] = "gravity", [SECTION_BY] = "by", [SECTION_PRODUCTS] = "products", [SECTION_FACTORS] = "factors",
+		[SECTION_ARTICULATED] = "articulated", [SECTION_INVERSE] = "inverse", [SECTION_RESIDUAL] = "residual",
+		[SECTION_REFINED] = "refined", [SECTION_BOUND] = "bound", [SECTION_REGRESSOR] = "regressor", [SECTION_PLACE] = "place",
+		[SECTION_JACOBIAN] = "jacobian", [SECTION_RATE] = "rate", [SECTION_SUBTREE] = "subtree", [SECTION_CENTROID] = "centroid",
+		[SECTION_FACTORED] = "factored", [SECTION_OPSPACE] = "opspace", [SECTION_CONTACTS] = "contacts",
+		[SECTION_SWEEPS] = "sweeps", [SECTION_ROWS] = "rows", [SECTION_INPUTS] = "inputs", [SECTION_COLUMNS] = "columns",
+		[SECTION_WAY] = "way"};
 
 	for (size_t i = 0; i < p->line_count; i++) {
 		const struct line *l = &p->lines[i];

@@ -163,6 +163,12 @@ int request_bounds_angles(const struct request *k, const struct tree *t, double 
 /* Has every row its value? */
 int request_has_all(const struct row *rows, int count);
 
+/* The constant, or the wrench from outside, that is this input of the text; NULL: there is none. What the scene calls it, or else
+   the input's own name. */
+const struct freed *request_freed(const struct request *k, const char *argument);
+const struct push *request_push(const struct request *k, const char *argument);
+const char *request_input_word(const struct request *k, const char *argument);
+
 /* What the scene calls an input or output of the text: "jvp_v.payload.hand" of jvp_v_payload_hand. */
 void request_put_word(const struct request *k, const char *name, int is_output, struct text *out);
 

@@ -16,15 +16,28 @@ const struct request_range *request_range_of(const struct request *k, const char
 	return narrowest;
 }
 
-static const char *input_word(const struct request *k, const char *name)
+const struct freed *request_freed(const struct request *k, const char *argument)
 {
 	for (int i = 0; i < k->freed_count; i++)
-		if (!strcmp(k->freed[i].argument, name))
-			return k->freed[i].word;
+		if (!strcmp(k->freed[i].argument, argument))
+			return &k->freed[i];
+	return NULL;
+}
+
+const struct push *request_push(const struct request *k, const char *argument)
+{
 	for (int i = 0; i < k->push_count; i++)
-		if (!strcmp(k->pushes[i].argument, name))
-			return k->pushes[i].word;
-	return name;
+		if (!strcmp(k->pushes[i].argument, argument))
+			return &k->pushes[i];
+	return NULL;
+}
+
+const char *request_input_word(const struct request *k, const char *argument)
+{
+	const struct freed *f = request_freed(k, argument);
+	const struct push *push = request_push(k, argument);
+
+	return f ? f->word : push ? push->word : argument;
 }
 
 static const char *output_word(const struct request *k, const char *name)
@@ -42,7 +55,7 @@ void request_put_word(const struct request *k, const char *name, int is_output, 
 			text_printf(out, "jvp_v.%s", k->by[i].word);
 			return;
 		}
-	text_put(out, is_output ? output_word(k, name) : input_word(k, name));
+	text_put(out, is_output ? output_word(k, name) : request_input_word(k, name));
 }
 
 int request_has_all(const struct row *rows, int count)

@@ -76,15 +76,12 @@ static void check_axis(const struct joint *j, long line, const struct diagnostic
 			fabs(norm - 1) < 1e-9 ? 13 : 10, norm);
 }
 
-/* That would drive a joint, not brake it. */
-static void check_losses(const struct joint *j, long line, const struct diagnostic *p)
+/* What would drive a joint, not brake it. */
+static void check_loss(const struct joint *j, const char *what, double loss, long line, const struct diagnostic *p)
 {
-	if (j->damping.x < 0)
-		diagnostic_warning(p, line, "joint '%s': its damping %g is negative; used as given where damping is asked for", j->name,
-			(double)j->damping.x);
-	if (j->friction.x < 0)
-		diagnostic_warning(p, line, "joint '%s': its friction %g is negative; used as given where friction is asked for", j->name,
-			(double)j->friction.x);
+	if (loss < 0)
+		diagnostic_warning(p, line, "joint '%s': its %s %g is negative; used as given where %s is asked for", j->name, what, loss,
+			what);
 }
 
 static void check_mimic(struct joint *j, long line, const struct diagnostic *p)
@@ -147,7 +144,8 @@ enum rneagen_code robot_check(const struct outline *o, const struct diagnostic *
 	for (int i = 0; i < r->link_count; i++)
 		check_link(&r->links[i], o->links[i].id.line, p);
 	for (int i = 0; i < r->joint_count; i++) {
-		check_losses(&r->joints[i], o->joints[i].id.line, p);
+		check_loss(&r->joints[i], "damping", (double)r->joints[i].damping.x, o->joints[i].id.line, p);
+		check_loss(&r->joints[i], "friction", (double)r->joints[i].friction.x, o->joints[i].id.line, p);
 		if (has_axis(r->joints[i].type))
 			check_axis(&r->joints[i], o->joints[i].id.line, p);
 		if (r->joints[i].driver >= 0)

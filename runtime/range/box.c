@@ -65,10 +65,7 @@ static void take_body(struct interval *rows, const struct freed *f, struct inter
 
 static const struct freed *body_of(const struct analysis *x, const struct argument *a)
 {
-	for (int i = 0; i < x->request.freed_count; i++)
-		if (!strcmp(x->request.freed[i].argument, a->name) && (a->role == ROLE_LINK_INERTIA || a->role == ROLE_LINK_PAYLOAD))
-			return &x->request.freed[i];
-	return NULL;
+	return a->role == ROLE_LINK_INERTIA || a->role == ROLE_LINK_PAYLOAD ? request_freed(&x->request, a->name) : NULL;
 }
 
 /* What the scene says; of a body its mass. */

@@ -2,14 +2,6 @@
 #include "base/nearest.h"
 #include <string.h>
 
-static const struct freed *find_freed(const struct request *k, const char *name)
-{
-	for (int i = 0; i < k->freed_count; i++)
-		if (!strcmp(k->freed[i].argument, name))
-			return &k->freed[i];
-	return NULL;
-}
-
 static const char *word_of(struct analysis *a, const struct argument *x)
 {
 	struct text word;
@@ -19,21 +11,13 @@ static const char *word_of(struct analysis *a, const struct argument *x)
 	return text_string(&word);
 }
 
-static int is_push(const struct request *k, const char *name)
-{
-	for (int i = 0; i < k->push_count; i++)
-		if (!strcmp(k->pushes[i].argument, name))
-			return 1;
-	return 0;
-}
-
 static struct signature_array describe(struct analysis *a, const struct argument *x)
 {
-	const struct freed *f = x->is_output ? NULL : find_freed(&a->request, x->name);
+	const struct freed *f = x->is_output ? NULL : request_freed(&a->request, x->name);
 
 	return (struct signature_array){.word = word_of(a, x), .name = x->name, .rows = (size_t)x->rows, .role = x->role,
 		.is_output = x->is_output, .per_batch = x->per_batch, .nominal = f && f->kind != FREED_PAYLOAD ? f->nominal : NULL,
-		.has_default = f || (!x->is_output && is_push(&a->request, x->name))};
+		.has_default = f || (!x->is_output && request_push(&a->request, x->name))};
 }
 
 int signature_of(struct signature *s, struct analysis *a)

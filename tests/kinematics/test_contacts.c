@@ -157,25 +157,6 @@ static void check_found(struct kin_case *c)
 		kin_expect(c, "acceleration of what stands", i, 0, a[i], demanded(c, i), 50 * NOISE * (10 + largest(c->qdd, nv)));
 }
 
-/* Momentum and its rate at the qdd found, beside the reference's. */
-static void check_momentum(struct kin_case *c)
-{
-	const struct request *k = &c->analysis.request;
-
-	for (int i = 0; i < k->stored_count; i++) {
-		struct kin_matrix found, m;
-
-		if (k->wants[i].kind != WANT_MOMENTUM && k->wants[i].kind != WANT_DMOMENTUM)
-			continue;
-		found = kin_found(c, &k->wants[i], c->out);
-		m = kin_expected(c, &k->wants[i]);
-		for (int j = 0; j < m.lines; j++)
-			kin_expect(c, k->wants[i].word, j, 0, found.x[j], m.x[j], 50 * NOISE * (10 + largest(m.x, m.lines) + found.size[j]));
-		kin_matrix_free(&found);
-		kin_matrix_free(&m);
-	}
-}
-
 /* ---- derivatives ---- */
 
 /* The state moved by h along the direction and along the jvp of qdd and of all forces. */
@@ -279,7 +260,8 @@ static void add_wants(char *scene)
 		}
 	}
 	/* rows of products are those of contacts, which welds follow */
-	snprintf(scene + strlen(scene), TEXT - strlen(scene), "want %s,momentum,dmomentum,dqdd_dq,dqdd_dqd\njvp %s\nvjp %s\n", forces, forces, forces);
+	snprintf(scene + strlen(scene), TEXT - strlen(scene), "want %s,momentum,dmomentum,dqdd_dq,dqdd_dqd\njvp %s\nvjp %s\n", forces,
+		forces, forces);
 	free(lines);
 }
 
@@ -295,7 +277,7 @@ static int check(struct kin_case *c, const char *urdf, const char *scene, enum r
 		kin_draw(c);
 		kin_evaluate(c);
 		check_found(c);
-		check_momentum(c);
+		ck_assert_int_ge(kin_compare(c, (double)(50 * NOISE)), 2); /* momentum and its rate, at the qdd found */
 		check_jvp(c);
 		check_vjp(c);
 		check_matrices(c);

@@ -2,29 +2,46 @@
 #include "plan/limbs/deal.h"
 #include <string.h>
 
-/* ---- what goes across ---- */
-
-/* Which values cross, and up to which phase: a warp fetches one in the phase in which it reads it first. */
-static void find_crossing_of(const struct dealer *x, struct crossing *c, int w)
+/* A warp's lines in its order, but for inputs, in x->order. Returns how many. */
+static uint32_t order_own(struct dealer *x, int w)
 {
-	memset(c->seen, 0, x->p->dag->count);
+	uint32_t count = 0;
+
 	for (int phase = 0; phase < x->phases; phase++)
 		for (uint32_t i = 0; i < x->lines; i++)
-			for (uint32_t k = x->readings.begin[i]; deal_did(x, w, i) == phase + 1 && k < x->readings.begin[i + 1]; k++) {
-				uint32_t node = x->readings.list[k].node;
-
-				if (c->seen[node] || deal_did(x, w, x->readings.made[node]))
-					continue;
-				c->seen[node] = 1;
-				c->slot[node] = 0;
-				c->last[node] = phase > c->last[node] ? (unsigned char)phase : c->last[node];
-			}
+			if (deal_did(x, w, i) == phase + 1 && x->p->lines[i].kind != LINE_INPUT)
+				x->order[count++] = i;
+	return count;
 }
 
-static void find_crossing(const struct dealer *x, struct crossing *c)
+/* ---- what goes across ---- */
+
+/* What a line of a warp fetches: that crosses, at least up to this phase. */
+static void note_crossing(const struct dealer *x, struct crossing *c, int w, uint32_t i)
 {
-	for (int w = 0; w < x->warps; w++)
-		find_crossing_of(x, c, w);
+	unsigned char phase = (unsigned char)(deal_did(x, w, i) - 1);
+
+	for (uint32_t k = x->readings.begin[i]; k < x->readings.begin[i + 1]; k++) {
+		uint32_t node = x->readings.list[k].node;
+
+		if (c->seen[node] || deal_did(x, w, x->readings.made[node]))
+			continue;
+		c->seen[node] = 1;
+		c->slot[node] = 0;
+		c->last[node] = phase > c->last[node] ? phase : c->last[node];
+	}
+}
+
+/* Which values cross, and up to which phase: a warp fetches one in the phase in which it reads it first. */
+static void find_crossing(struct dealer *x)
+{
+	for (int w = 0; w < x->warps; w++) {
+		uint32_t count = order_own(x, w);
+
+		memset(x->crossing.seen, 0, x->p->dag->count);
+		for (uint32_t k = 0; k < count; k++)
+			note_crossing(x, &x->crossing, w, x->order[k]);
+	}
 }
 
 static int choose_slots(const struct dealer *x, struct crossing *c)
@@ -54,31 +71,26 @@ int deal_slots(struct dealer *x)
 	for (size_t i = 0; i < x->p->dag->count; i++)
 		x->crossing.slot[i] = -1;
 	memset(x->crossing.last, 0, x->p->dag->count);
-	find_crossing(x, &x->crossing);
+	find_crossing(x);
 	return choose_slots(x, &x->crossing);
 }
 
 /* ---- values at once ---- */
 
-/* Inputs are there from the start; a warp's other lines are numbered from 1, in its order. */
-static void find_ends(struct dealer *x, int w)
+/* Inputs are there from the start; the lines in x->order are numbered from 1. */
+static void find_ends(struct dealer *x, uint32_t count)
 {
-	uint32_t now = 0;
-
 	memset(x->last_read, 0, x->p->dag->count * sizeof *x->last_read);
 	memset(x->ends, 0, (x->lines + 2) * sizeof *x->ends);
-	for (int phase = 0; phase < x->phases; phase++)
-		for (uint32_t i = 0; i < x->lines; i++) {
-			struct ref made[2];
+	for (uint32_t now = 1; now <= count; now++) {
+		uint32_t i = x->order[now - 1];
+		struct ref made[2];
 
-			if (deal_did(x, w, i) != phase + 1 || x->p->lines[i].kind == LINE_INPUT)
-				continue;
-			now++;
-			for (int k = readings_made(x->p, &x->p->lines[i], made); k-- > 0;)
-				x->last_read[made[k].i] = now;
-			for (uint32_t k = x->readings.begin[i]; k < x->readings.begin[i + 1]; k++)
-				x->last_read[x->readings.list[k].node] = now;
-		}
+		for (int k = readings_made(x->p, &x->p->lines[i], made); k-- > 0;)
+			x->last_read[made[k].i] = now;
+		for (uint32_t k = x->readings.begin[i]; k < x->readings.begin[i + 1]; k++)
+			x->last_read[x->readings.list[k].node] = now;
+	}
 	for (uint32_t i = 0; i < x->p->dag->count; i++)
 		x->ends[x->last_read[i]]++;
 }
@@ -103,23 +115,20 @@ static int new_values(struct dealer *x, uint32_t i)
 
 static int alive_of(struct dealer *x, int w)
 {
-	uint32_t now = 0;
+	uint32_t count = order_own(x, w);
 	int alive = 0, most;
 
-	find_ends(x, w);
+	find_ends(x, count);
 	memset(x->crossing.seen, 0, x->p->dag->count);
 	for (uint32_t i = 0; i < x->lines; i++)
 		if (deal_did(x, w, i) && x->p->lines[i].kind == LINE_INPUT)
 			alive += new_values(x, i);
 	most = alive;
-	for (int phase = 0; phase < x->phases; phase++)
-		for (uint32_t i = 0; i < x->lines; i++) {
-			if (deal_did(x, w, i) != phase + 1 || x->p->lines[i].kind == LINE_INPUT)
-				continue;
-			alive += new_values(x, i);
-			most = alive > most ? alive : most;
-			alive -= (int)x->ends[++now];
-		}
+	for (uint32_t now = 1; now <= count; now++) {
+		alive += new_values(x, x->order[now - 1]);
+		most = alive > most ? alive : most;
+		alive -= (int)x->ends[now];
+	}
 	return most;
 }
 

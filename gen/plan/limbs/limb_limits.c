@@ -16,14 +16,15 @@ enum { LEAST_OPERATIONS = 800, MOST_OPERATIONS = 10000, MOST_ALONE = 19000, WARP
 /* More warps are more code, since several make the same values; and what one multiprocessor has no room for is fetched each
    time, an instruction in 1.3 cycles for all its warps together. So the number of warps, four or eight, is that of the least
    cost, in operations: those of the longest warp, a share of those that all warps have beyond `room`, and some for each value
-   that a warp has at once beyond `values`, which then waits in memory; `least` is what an empty kernel takes, and waiting.
+   that a warp has at once and that waits in memory; `least` is what an empty kernel takes, and waiting.
    Fitted to 733 times of 25 texts with 3, 4 and 8 warps, dealt out in some ways, in f32 and f64, of one sample (weight 0.6),
    256 and 1024 (H200); off by an eighth in the mean. Of the other robots' fit what is chosen takes 1.05 of the time of the
    best deal that was tried of a text, at worst 1.2. What a wait costs could not be seen: deals of six phases are as fast as
    such of two with as many operations. */
 static const struct code_limits {
-	unsigned least, room, percent, values, for_spilled;
-} CODE[] = {{2915, 2000, 130, 214, 40}, {1714, 2500, 79, 170, 35}};
+	unsigned least, room, percent;
+	struct limbs_spill spill;
+} CODE[] = {{2915, 2000, 130, {214, 40}}, {1714, 2500, 79, {170, 35}}};
 
 /* A sample of N operations takes 0.5 + 0.0015 N us, with warps of N operations 0.9 + 0.0015 N: their kernel starts so
    many operations later, and is to take nine tenths of the time. */
@@ -138,7 +139,7 @@ static unsigned make_all(
 {
 	struct limbs_limits limits = {.warps = warps,
 		.across = ACROSS_BYTES / WARP_THREADS / number_bytes(o) - 1, .join = JOIN_OPERATIONS,
-		.values = code_limits(o)->values, .for_spilled = code_limits(o)->for_spilled,
+		.spill = code_limits(o)->spill,
 		.has_first_sines = makes_sines_first(functions, count, o, a)};
 	unsigned longest = 0;
 
@@ -278,9 +279,7 @@ static int can_have(struct function *const *functions, int count, const struct r
 /* What code beyond the cache's room and values beyond the registers' take, in operations. */
 static unsigned limbs_excess(const struct limbs *s, const struct code_limits *x)
 {
-	unsigned alive = (unsigned)s->alive, spilled = alive > x->values ? alive - x->values : 0;
-
-	return spilled * x->for_spilled + (s->sum > x->room ? (s->sum - x->room) * x->percent / 100 : 0);
+	return limbs_spilled(&x->spill, s->alive) + (s->sum > x->room ? (s->sum - x->room) * x->percent / 100 : 0);
 }
 
 static unsigned limbs_cost(const struct limbs *s, const struct code_limits *x)

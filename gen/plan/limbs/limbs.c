@@ -20,12 +20,11 @@ static void set_most(struct deal *d, int from, unsigned most)
 
 static void keep_better(struct dealer *x, const struct deal *d, struct deal *best, unsigned *least)
 {
-	unsigned cost = deal_run(x, d, *least), alive;
+	unsigned cost = deal_run(x, d, *least);
 
 	if (cost >= *least || deal_slots(x) > (int)x->limits->across)
 		return;
-	alive = (unsigned)deal_alive(x);
-	cost += alive > x->limits->values ? (alive - x->limits->values) * x->limits->for_spilled : 0;
+	cost += limbs_spilled(&x->limits->spill, deal_alive(x));
 	if (cost >= *least)
 		return;
 	*least = cost;
@@ -70,10 +69,12 @@ static struct deal choose(struct dealer *x, unsigned whole)
 {
 	struct deal best = {0};
 	unsigned least = TOO_MUCH;
+	int can_have_sines = deal_sines_most(x, 1) > 0;
 
 	for (size_t i = 0; i < sizeof REPEATED / sizeof *REPEATED; i++)
-		for (int sines = 0; sines < (deal_sines_most(x, 1) ? 2 : 1); sines++)
-			try_rooms(x, (struct deal){.warps = x->limits->warps, .has_sines = sines, .repeated = REPEATED[i]}, whole, &best, &least);
+		for (int has_sines = 0; has_sines <= can_have_sines; has_sines++)
+			try_rooms(x, (struct deal){.warps = x->limits->warps, .has_sines = has_sines, .repeated = REPEATED[i]}, whole, &best,
+				&least);
 	if (best.warps)
 		refine(x, whole > LONG_PLAN ? 1 : 2, &best, &least);
 	return best;

@@ -5,11 +5,21 @@
 #include "plan/plan.h"
 #include "rneagen.h"
 
+/* Each value beyond `values` that a warp has at once waits in memory, at the cost of so many operations. */
+struct limbs_spill {
+	unsigned values, operations;
+};
+
+static inline unsigned limbs_spilled(const struct limbs_spill *x, int alive)
+{
+	return (unsigned)alive > x->values ? ((unsigned)alive - x->values) * x->operations : 0;
+}
+
 struct limbs_limits {
 	int warps;         /* that share a sample */
 	unsigned across;   /* values in shared memory at most, beside a table of sines */
 	unsigned join;     /* what it costs to wait for all warps, in operations */
-	unsigned values, for_spilled; /* what each value beyond so many costs that a warp has at once */
+	struct limbs_spill spill;
 	int has_first_sines; /* if all angles are made of one input each */
 };
 

@@ -315,7 +315,9 @@ static const char *says(const struct subject *s)
 		return strstr(s->scene, "jvp") ? "M^-1 of that" : "the rest, where both are found";
 	if (finds_base(s))
 		return "limbs, where those are found";
-	return s->parts > 1 || s->hands[0] ? "limbs that share nothing with the others" : "the whole, where some of the motion is made again";
+	if (s->parts > 1 || s->hands[0])
+		return "limbs that share nothing with the others";
+	return "the whole, where some of the motion is made again";
 }
 
 /* The text and its table say so; small batches have the kernel of the whole. */
