@@ -4,14 +4,7 @@
 #include "base/template.h"
 #include "choices.h"
 #include "emit/emit.h"
-#include "plan/grid/beside.h"
-#include "plan/grid/found/found_limbs.h"
-#include "plan/limbs/limb_limits.h"
-#include "plan/lanes/lanes.h"
-#include "plan/segments.h"
-#include "plan/stage.h"
-#include "plan/tiles/tiles.h"
-#include "plan/transposed.h"
+#include "passes/plans.h"
 #include "tell/dot.h"
 #include "tell/dump.h"
 #include "tell/effect.h"
@@ -25,15 +18,9 @@
 
 struct generation {
 	struct analysis analysis; /* up to the fused DAG */
-	const struct algorithm *algorithms[ALGORITHM_COUNT];
 	struct dag raw[ALGORITHM_COUNT]; /* of the halves, until they are fused; the analysis has that of the whole */
 	struct arena raw_arena;
-	struct function functions[ALGORITHM_COUNT];
-	struct relay *relay;
-	struct part *parts; /* of the relay's second kernel, where there is a relay */
-	int part_count;
-	struct part *rounds; /* whose limbs serve small batches (plan/grid/found/found_limbs.h); NULL: the function's do */
-	int is_transposed; /* plan/transposed.h */
+	struct plans plans; /* beyond it */
 	char hash[SHA256_DIGEST_STRING_LENGTH];
 	struct emission emission;
 	struct info info;
@@ -58,23 +45,21 @@ static enum rneagen_code options_check(struct generation *g)
 }
 
 /* The halves of the algorithm go with the whole of it, not with a scene's choice of inputs and outputs. */
-static int function_count(struct generation *g)
-{
-	int count = algorithms_for(&g->analysis.request, g->algorithms);
-
-	return g->analysis.options.only ? 1 : count;
-}
-
 static enum rneagen_code dag_build_all(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
+	const struct algorithm *algorithms[ALGORITHM_COUNT];
+	int count = algorithms_for(&a->request, algorithms);
 
+	g->plans.function_count = a->options.only ? 1 : count;
+	for (int i = 0; i < g->plans.function_count; i++)
+		g->plans.functions[i].algorithm = algorithms[i];
 	if (pass_dag_build(a))
 		return a->error->code;
 	arena_init(&g->raw_arena, &a->arena->allocator);
-	for (int i = 1; i < function_count(g); i++) {
+	for (int i = 1; i < g->plans.function_count; i++) {
 		dag_init(&g->raw[i], &g->raw_arena);
-		g->algorithms[i]->build(&g->raw[i], &a->stated, &a->request); /* they write by the URDF's frames */
+		algorithms[i]->build(&g->raw[i], &a->stated, &a->request); /* they write by the URDF's frames */
 		dag_close(&g->raw[i]);
 		if (g->raw[i].failed)
 			error_memory(a->error);
@@ -88,108 +73,13 @@ static enum rneagen_code dag_fuse_all(struct generation *g)
 
 	if (pass_dag_fuse(a))
 		return a->error->code;
-	g->functions[0].dag = a->dag;
-	for (int i = 1; i < function_count(g); i++) {
-		dag_init(&g->functions[i].dag, a->arena);
-		dag_fuse(&g->functions[i].dag, &g->raw[i], a->options.strict);
+	g->plans.functions[0].dag = a->dag;
+	for (int i = 1; i < g->plans.function_count; i++) {
+		dag_init(&g->plans.functions[i].dag, a->arena);
+		dag_fuse(&g->plans.functions[i].dag, &g->raw[i], a->options.strict);
 	}
 	arena_free(&g->raw_arena);
 	return RNEAGEN_OK;
-}
-
-static enum rneagen_code plan_build_all(struct generation *g)
-{
-	struct analysis *a = &g->analysis;
-
-	for (int i = 0; i < function_count(g); i++) {
-		g->functions[i].algorithm = g->algorithms[i];
-		if (!plan_build(&g->functions[i].plan, &g->functions[i].dag, &a->tree, a->arena))
-			return error_memory(a->error);
-	}
-	return plan_order(&g->functions[0], &a->tree, &a->request, &a->options, ORDERED_WHOLE, a->arena) ? RNEAGEN_OK
-													 : error_memory(a->error);
-}
-
-/* The last that needs the DAG as it was before it was fused. */
-static enum rneagen_code parts_choose(struct generation *g)
-{
-	struct analysis *a = &g->analysis;
-	int has_kernels = target_type_of(a->options.target)->kernel != NULL, is_unpruned = a->adjust.prune == 0;
-	int may_transpose = has_kernels && transposed_may_be(&g->functions[0].dag, &a->request, &a->options);
-	const struct rneagen_options o = transposed_options(&a->options, may_transpose);
-	const struct parts_of x = {&g->functions[0], &a->raw, &a->tree, &a->request, &o, has_kernels, is_unpruned, 0, may_transpose};
-
-	if (!relay_or_parts(&g->relay, &g->parts, &g->part_count, &x, a->arena, a->error) && !g->relay && !may_transpose)
-		tiles_choose(&g->functions[0], g->parts, g->part_count, &x, a->arena, a->error);
-	g->is_transposed = may_transpose && (g->relay || g->part_count);
-	analysis_free_raw(a);
-	return a->error->code;
-}
-
-/* On a GPU the main kernel alone is long enough, and its grid may have parts instead. */
-static enum segment_use segment_use(const struct generation *g, int function)
-{
-	const struct target_type *target = target_type_of(g->analysis.options.target);
-
-	if (target->kernel)
-		return function == 0 && !g->part_count ? SEGMENT_KERNEL : SEGMENT_NONE;
-	return target->has_batches ? SEGMENT_LOOPS : SEGMENT_NONE;
-}
-
-static enum rneagen_code segments_make_all(struct generation *g)
-{
-	struct analysis *a = &g->analysis;
-	const struct target_type *target = target_type_of(a->options.target);
-
-	for (int i = 0; i < function_count(g); i++)
-		if (!segments_choose(&g->functions[i], segment_use(g, i), &a->request, &a->options, a->arena))
-			return error_memory(a->error);
-	if (!target->kernel && a->adjust.prune == 0 &&
-		!lanes_single(g->functions, &a->request, &a->options, target->is_header, a->arena))
-		error_memory(a->error);
-	return a->error->code;
-}
-
-/* Of what a kernel computes: the main function, or its parts; but where these share nothing, the whole serves small batches. */
-static enum rneagen_code choose_for_kernel(struct generation *g,
-	int (*choose)(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a))
-{
-	struct analysis *a = &g->analysis;
-	int in_parts = g->part_count && !parts_are_apart(g->parts, g->part_count), count = in_parts ? g->part_count : 1;
-	const struct rneagen_options o = transposed_options(&a->options, g->is_transposed);
-	struct function **functions = arena_alloc(a->arena, (size_t)count, sizeof *functions);
-
-	if (!target_type_of(a->options.target)->kernel)
-		return RNEAGEN_OK;
-	for (int i = 0; i < count && functions; i++)
-		functions[i] = in_parts ? &g->parts[i].function : &g->functions[0];
-	return functions && choose(functions, count, &o, a->arena) ? RNEAGEN_OK : error_memory(a->error);
-}
-
-/* Of the rounds of what found.h divides, where they have some. */
-static int found_limbs(struct generation *g)
-{
-	struct analysis *a = &g->analysis;
-	const struct parts_of x = {.whole = &g->functions[0], .tree = &a->tree, .request = &a->request, .options = &a->options};
-
-	return parts_division(g->parts, g->part_count) != DIVIDED_IN_ROUNDS ||
-		found_limbs_make(&g->rounds, g->parts, g->part_count, &x, a->arena);
-}
-
-static enum rneagen_code limbs_make_all(struct generation *g)
-{
-	struct analysis *a = &g->analysis;
-	const struct rneagen_options o = transposed_options(&a->options, g->is_transposed);
-	int are_apart = parts_are_apart(g->parts, g->part_count); /* without windows, and so is the whole, for small batches */
-
-	if (!found_limbs(g))
-		return error_memory(a->error);
-	if (g->rounds)
-		return RNEAGEN_OK;
-	if ((!are_apart && !g->is_transposed && choose_for_kernel(g, windows_choose)) || choose_for_kernel(g, limbs_choose))
-		return a->error->code;
-	limbs_beside(&g->functions[0].limbs, g->parts, g->part_count, &a->options);
-	return !g->relay || relay_limbs(g->relay, &o, a->arena) ? RNEAGEN_OK : error_memory(a->error);
 }
 
 static enum rneagen_code warn(struct generation *g)
@@ -210,16 +100,17 @@ static enum rneagen_code measure(struct generation *g)
 
 	if ((is_told || adjust_is_asked(&a->adjust)) && effect_measure(&g->info.effects, a))
 		return a->error->code;
-	return is_told ? saving_measure(&g->info.savings, a, &g->functions[0].plan) : RNEAGEN_OK;
+	return is_told ? saving_measure(&g->info.savings, a, &g->plans.functions[0].plan) : RNEAGEN_OK;
 }
 
 static struct emission new_emission(struct generation *g, const char *told)
 {
+	const struct plans *p = &g->plans;
 	struct analysis *a = &g->analysis;
 
 	return (struct emission){.tree = &a->tree, .request = &a->request, .scene = &a->scene, .adjust = &a->adjust,
-		.options = &a->options, .functions = g->functions, .function_count = function_count(g),
-		.parts = g->parts, .part_count = g->part_count, .relay = g->relay, .rounds = g->rounds, .is_transposed = g->is_transposed,
+		.options = &a->options, .functions = p->functions, .function_count = p->function_count, .parts = p->parts,
+		.part_count = p->part_count, .relay = p->relay, .rounds = p->rounds, .is_transposed = p->is_transposed, .kernels = p->kernels,
 		.warnings = g->result->warnings, .warning_count = g->result->warning_count,
 		.told = told, .hash = g->hash,
 		.written = arena_alloc(a->arena, EMIT_WRITTEN, sizeof(struct written_number)),
@@ -280,18 +171,20 @@ static enum rneagen_code tell(struct generation *g)
 
 /* ---- all of them ---- */
 
-/* A pass is the analysis's or the generation's. */
+/* A pass is the analysis's, the plans', or the generation's. */
 struct step {
 	const char *name, *makes;
 	enum rneagen_code (*analyse)(struct analysis *a);
+	enum rneagen_code (*plan)(struct plans *p, struct analysis *a);
 	enum rneagen_code (*generate)(struct generation *g);
 	const char *word; /* of --dump; NULL: there is nothing to print */
 	enum rneagen_dump dump;
 	dump_function *put;
 };
 
-#define ANALYSIS_PASS(pass) pass_##pass, NULL
-#define TEXT_PASS(pass) NULL, pass
+#define ANALYSIS_PASS(pass) pass_##pass, NULL, NULL
+#define PLANS_PASS(pass) NULL, plans_##pass, NULL
+#define TEXT_PASS(pass) NULL, NULL, pass
 #define DUMPED(word, name) #word, RNEAGEN_DUMP_##name, dump_##word
 #define SILENT NULL, RNEAGEN_DUMP_NONE, NULL
 
@@ -309,10 +202,11 @@ static const struct step PASSES[] = {
 	{"dag_build", "expressions of the outputs", TEXT_PASS(dag_build_all), SILENT},
 	{"dag_prune", "expressions, without terms that no output feels", ANALYSIS_PASS(dag_prune), SILENT},
 	{"dag_fuse", "expressions, products joined to sums", TEXT_PASS(dag_fuse_all), DUMPED(dag, DAG)},
-	{"plan_build", "names and lines", TEXT_PASS(plan_build_all), DUMPED(plan, PLAN)},
-	{"parts_choose", "parts of the grid", TEXT_PASS(parts_choose), DUMPED(parts, PARTS)},
-	{"segments_choose", "stretches that run for several samples", TEXT_PASS(segments_make_all), DUMPED(segments, SEGMENTS)},
-	{"limbs_choose", "windows for outputs, or warps that share samples", TEXT_PASS(limbs_make_all), DUMPED(limbs, LIMBS)},
+	{"plan_build", "names and lines", PLANS_PASS(build), DUMPED(plan, PLAN)},
+	{"parts_choose", "parts of the grid", PLANS_PASS(parts), DUMPED(parts, PARTS)},
+	{"segments_choose", "stretches that run for several samples", PLANS_PASS(segments), DUMPED(segments, SEGMENTS)},
+	{"limbs_choose", "windows for outputs, or warps that share samples", PLANS_PASS(limbs), DUMPED(limbs, LIMBS)},
+	{"kernels_choose", "threads, registers and shared memory of kernels", PLANS_PASS(kernels), DUMPED(kernels, KERNELS)},
 	{"measure", "what choices change and save", TEXT_PASS(measure), SILENT},
 	{"warn", "warnings", TEXT_PASS(warn), SILENT},
 	{"emit", "the text, and its header", TEXT_PASS(emit), SILENT},
@@ -332,7 +226,7 @@ static void put_passes(struct text *out)
 static enum rneagen_code dump(struct generation *g)
 {
 	struct analysis *a = &g->analysis;
-	const struct dumped d = {a, g->functions, function_count(g), g->parts, g->part_count, g->relay, g->rounds};
+	const struct dumped d = {a, &g->plans};
 	struct text out;
 
 	if (a->options.dump == RNEAGEN_DUMP_NONE)
@@ -349,6 +243,13 @@ static enum rneagen_code dump(struct generation *g)
 	return RNEAGEN_OK;
 }
 
+static enum rneagen_code run(struct generation *g, const struct step *pass)
+{
+	if (pass->analyse)
+		return pass->analyse(&g->analysis);
+	return pass->plan ? pass->plan(&g->plans, &g->analysis) : pass->generate(g);
+}
+
 static enum rneagen_code generate(struct generation *g)
 {
 	enum rneagen_code code = RNEAGEN_OK;
@@ -356,7 +257,7 @@ static enum rneagen_code generate(struct generation *g)
 	for (int i = 0; i < STEPS && !code; i++) {
 		if (g->analysis.options.progress)
 			g->analysis.options.progress(g->analysis.options.progress_context, PASSES[i].makes);
-		code = PASSES[i].analyse ? PASSES[i].analyse(&g->analysis) : PASSES[i].generate(g);
+		code = run(g, &PASSES[i]);
 	}
 	analysis_free_raw(&g->analysis);
 	arena_free(&g->raw_arena);

@@ -47,7 +47,7 @@ enum rneagen_tell { RNEAGEN_TELL_INFO = 1, RNEAGEN_TELL_JSON = 2, RNEAGEN_TELL_D
 /* What a pass has made, or PASSES: the list of them. */
 enum rneagen_dump { RNEAGEN_DUMP_NONE, RNEAGEN_DUMP_ROBOT, RNEAGEN_DUMP_TREE, RNEAGEN_DUMP_DAG, RNEAGEN_DUMP_PLAN,
 	RNEAGEN_DUMP_SCENE, RNEAGEN_DUMP_REQUEST, RNEAGEN_DUMP_PARTS, RNEAGEN_DUMP_PASSES, RNEAGEN_DUMP_PARAMS,
-	RNEAGEN_DUMP_SEGMENTS, RNEAGEN_DUMP_LIMBS };
+	RNEAGEN_DUMP_SEGMENTS, RNEAGEN_DUMP_LIMBS, RNEAGEN_DUMP_KERNELS };
 
 /* What to generate. Start from rneagen_options_default(). Strings belong to the caller and must outlive the call. */
 struct rneagen_options {

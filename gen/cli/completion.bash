@@ -29,7 +29,7 @@ _rneagen_words() {
 	--only) echo rnea fd kin ;;
 	--info) echo json ;;
 	--bounded) echo running ;;
-	--dump) echo robot scene tree params request dag plan parts segments limbs passes ;;
+	--dump) echo robot scene tree params request dag plan parts segments limbs kernels passes ;;
 	--backend) [[ ${COMP_WORDS[1]} == eval ]] && echo cpu cuda any || echo cpu cuda all ;;
 	--format) [[ ${COMP_WORDS[1]} == prove ]] && echo text json || echo table json csv ;;
 	*) return 1 ;;

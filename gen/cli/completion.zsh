@@ -76,7 +76,7 @@ _rneagen_command() {
 		'--name=[prefix of every function]:identifier:' \
 		'--info=-[tell about the robot]::format:(json)' \
 		'--dot[print the tree as a graph for Graphviz]' \
-		'--dump=[print what a pass has made]:pass:(robot scene tree params request dag plan parts segments limbs passes)' \
+		'--dump=[print what a pass has made]:pass:(robot scene tree params request dag plan parts segments limbs kernels passes)' \
 		'--quiet[neither progress nor warnings]' \
 		'(- *)--version[print the version]' \
 		'1:robot:_files -g "*.urdf"'

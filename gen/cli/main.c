@@ -52,7 +52,7 @@ static const char HELP[] =
 	"  --name NAME                prefix of every function (default: the robot's name)\n"
 	"  --info, --info=json        tell about the robot instead of writing the text (with -o: besides)\n"
 	"  --dot                      print the tree as a graph for Graphviz, with masses and rows in q (with -o: besides)\n"
-	"  --dump robot|scene|tree|params|request|dag|plan|parts|segments|limbs|passes\n"
+	"  --dump robot|scene|tree|params|request|dag|plan|parts|segments|limbs|kernels|passes\n"
 	"                             print what a pass of the pipeline has made instead; passes: their list\n"
 	"  --quiet                    neither progress nor warnings\n"
 	"  --help, --version\n"

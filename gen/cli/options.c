@@ -125,7 +125,7 @@ static const struct choice {
 		{{"robot", RNEAGEN_DUMP_ROBOT}, {"scene", RNEAGEN_DUMP_SCENE}, {"tree", RNEAGEN_DUMP_TREE},
 			{"params", RNEAGEN_DUMP_PARAMS}, {"request", RNEAGEN_DUMP_REQUEST}, {"dag", RNEAGEN_DUMP_DAG},
 			{"plan", RNEAGEN_DUMP_PLAN}, {"parts", RNEAGEN_DUMP_PARTS}, {"segments", RNEAGEN_DUMP_SEGMENTS},
-			{"limbs", RNEAGEN_DUMP_LIMBS}, {"passes", RNEAGEN_DUMP_PASSES}}},
+			{"limbs", RNEAGEN_DUMP_LIMBS}, {"kernels", RNEAGEN_DUMP_KERNELS}, {"passes", RNEAGEN_DUMP_PASSES}}},
 };
 
 static void set_choice(struct rneagen_options *o, int key, int value)

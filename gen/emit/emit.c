@@ -2,7 +2,6 @@
 #include "base/template.h"
 #include "emit/columns/emit_columns.h"
 #include "emit/kernels/emit_alone.h"
-#include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/emit_kernel.h"
 #include "emit/kernels/emit_limbs.h"
 #include "emit/kernels/emit_parts.h"
@@ -255,7 +254,7 @@ static void put_bodies(const struct emission *e, struct text *out)
 		put_body(e, &e->parts[i].function, out);
 	if (is_whole)
 		put_function_of(e, emit_main(e), out);
-	text_put(out, emit_alone_least(e) ? EMIT_UNLESS_ALONE : "");
+	text_put(out, e->kernels.alone_least ? EMIT_UNLESS_ALONE : "");
 	for (int i = 0; e->relay && i < e->relay->start_count; i++)
 		put_body(e, &e->relay->starts[i].function, out);
 	if (e->relay && !e->relay->start_count)
@@ -267,7 +266,7 @@ static void put_bodies(const struct emission *e, struct text *out)
 			emit_dispatcher(e, out);
 		else if (i || !is_whole)
 			put_function_of(e, &e->functions[i], out);
-	text_put(out, emit_alone_least(e) ? "#endif\n" : "");
+	text_put(out, e->kernels.alone_least ? "#endif\n" : "");
 	text_put(out, emit_has_limbs(e) ? "#endif\n" : "");
 }
 
@@ -320,7 +319,7 @@ static void kernel_slots(const struct emission *e, const char *kernels, struct s
 	const struct function *p = emit_main(e);
 	const struct slot more[] = {
 		{"ARITHMETIC", emit_arithmetic(e, e->target)}, {"FUNCTION", p->algorithm->name}, {"PARAMS", emit_params(e, p, PARAMS_PLAIN)},
-		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"BLOCK", emit_int(e, emit_block_size(e))}, {"GRID", grid_text(e)},
+		{"ADDRESSES", emit_params(e, p, PARAMS_ADDRESSES)}, {"BLOCK", emit_int(e, e->kernels.block)}, {"GRID", grid_text(e)},
 		{"BLOCK_IS", emit_each_block(e) ? "samples of one slice of the batch; a block has RNEA_SAMPLE_THREADS threads for each" :
 			"threads in a block: the samples of one slice of the batch"}, {"THREADS", emit_each_threads(e)},
 		{"EACH", p->segments.count ? template_launch_segments_in : ""}, {"SAMPLES", p->segments.count ? "samples" : "RNEA_BLOCK"},

@@ -10,6 +10,7 @@
 #include "plan/grid/hands/base_sides.h"
 #include "plan/grid/relay.h"
 #include "plan/lanes/angles.h"
+#include "plan/kernels.h"
 #include "rneagen.h"
 #include "scene/adjust.h"
 
@@ -25,6 +26,7 @@ struct emission {
 	int part_count;
 	const struct relay *relay;             /* whose second kernel has these parts; NULL: there is one kernel */
 	const struct part *rounds;             /* whose limbs serve small batches of the first function (found_limbs.h); or NULL */
+	struct kernels kernels;                /* what they take of a multiprocessor */
 	int is_transposed;                     /* kernels write as in soa (plan/transposed.h); their options say soa */
 	const char *banner;                    /* the comment at the head, where it is not inverse dynamics; else NULL */
 	const char *const *warnings;
@@ -63,6 +65,12 @@ static inline const struct function *emit_part(const struct emission *e, int par
 static inline int emit_is_apart(const struct emission *e)
 {
 	return parts_are_apart(e->parts, e->part_count);
+}
+
+/* The windows through which its outputs leave, their slots 0 where there are none. */
+static inline const struct windows *emit_windows(const struct emission *e)
+{
+	return &emit_part(e, 0)->windows;
 }
 
 /* Is the main function in parts for matrices, which write as in soa? In aos without that outputs leave through windows. */
@@ -308,11 +316,10 @@ void emit_put_any(const struct emission *e, const struct function *p, struct tex
 
 /* The arrays of what goes across cuts, or the one that there is: as parameters; the same where compilers are to know that they
    overlap nothing; as those of a segment, for its first sample; their names; their declarations with room for a sample, or for
-   some lanes; in a kernel, for all threads; where a thread's sample has them. And bytes of a sample. */
+   some lanes; in a kernel, for all threads; where a thread's sample has them. */
 enum across_form { ACROSS_PARAMETER, ACROSS_RESTRICT, ACROSS_FIRST, ACROSS_NAME, ACROSS_LOCAL, ACROSS_LANES, ACROSS_SHARED,
 	ACROSS_AT_THREAD };
 const char *emit_across(const struct emission *e, const struct segments *s, enum across_form form);
-int emit_across_bytes(const struct emission *e, const struct segments *s);
 
 /* How many samples a segment runs for. */
 int emit_lanes(const struct emission *e, const struct segments *s);

@@ -1,7 +1,6 @@
 /* The table NAME_info, which librnea reads. */
 #include "emit/emit.h"
 #include "emit/kernels/emit_alone.h"
-#include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/emit_kernel.h"
 #include "emit/kernels/emit_limbs.h"
 #include "emit/kernels/emit_relay.h"
@@ -73,9 +72,9 @@ static void put_kernels(const struct emission *e, struct text *out)
 		text_printf(out, "parts %d\n", e->part_count - emit_hands(e));
 	if (emit_each_block(e))
 		text_printf(out, "threads %d %d\n", emit_loops(e)->limbs, emit_each_block(e));
-	if (emit_alone_least(e)) {
-		text_printf(out, "part_kernels %d %d %d %d\n", emit_alone_least(e), emit_part_places(e), emit_alone_block(e),
-			emit_serves_untiled(e) ? 0 : TILES_ARCH);
+	if (e->kernels.alone_least) {
+		text_printf(out, "part_kernels %d %d %d %d\n", e->kernels.alone_least, emit_part_places(e), e->kernels.alone_block,
+			e->kernels.serves_untiled ? 0 : TILES_ARCH);
 		emit_info_tiles(e, out);
 	}
 	if (emit_hands(e)) {
@@ -113,7 +112,7 @@ static void put_function(const struct emission *e, const struct function *p, str
 	}
 	text_printf(out, "operations %u %u %u %u %u %u\n", n.mul, n.add, n.sub, n.neg, n.fma, n.sincos);
 	if (e->target->kernel && p->segments.count)
-		text_printf(out, "segments %d %d\n", emit_segments_bytes(e, p), emit_segments_samples(e));
+		text_printf(out, "segments %d %d\n", e->kernels.segment_bytes, e->kernels.segment_samples);
 	if (is_main)
 		put_kernels(e, out);
 }
@@ -149,7 +148,7 @@ static void put_info_lines(const struct emission *e, struct text *t)
 		version_of(e), o->name,
 		e->memory->name, e->arithmetic->name, emit_layout_name(o->layout), emit_trig_name(o->trig),
 		o->base == RNEAGEN_FLOATING ? "floating" : "fixed");
-	text_printf(t, "nq %d\nnv %d\nnb %d\nblock %d\n", e->tree->nq, e->tree->nv, e->tree->body_count, emit_block_size(e));
+	text_printf(t, "nq %d\nnv %d\nnb %d\nblock %d\n", e->tree->nq, e->tree->nv, e->tree->body_count, e->kernels.block);
 	for (int i = 0; i < e->tree->joint_count; i++) {
 		const struct tree_joint *j = &e->tree->joints[i];
 

@@ -1,6 +1,5 @@
 /* What the names in the statements mean: of each kind that this text uses, a line in its head. */
 #include "emit/emit.h"
-#include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/emit_kernel.h"
 #include "emit/kernels/emit_parts.h"
 #include "plan/grid/parts.h"

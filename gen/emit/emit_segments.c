@@ -6,22 +6,18 @@
 #include "emit/columns/emit_way_back.h"
 #include "emit/emit_groups.h"
 #include "emit/unparse.h"
+#include "plan/segments.h"
 #include "plan/stage.h"
 
 /* Samples of a loop: as many as leave their values across cuts in a core's first cache; no fewer than vectors are wide, unless a
    thread's stack would grow too large. What coordinates carry may be as much again. */
 enum { CACHE_BYTES = 16384, STACK_BYTES = 131072, MOST_LANES = 64, WIDE_LANES = 16, FEWEST_LANES = 4 };
 
-int emit_across_bytes(const struct emission *e, const struct segments *s)
-{
-	return s->slots[0] * e->arithmetic->bytes + (e->wide ? s->slots[1] * e->wide->arithmetic->bytes : 0);
-}
-
 int emit_lanes(const struct emission *e, const struct segments *s)
 {
-	int lanes = MOST_LANES;
+	int lanes = MOST_LANES, bytes = segments_bytes(s, e->options, e->wide != NULL);
 
-	while (lanes > FEWEST_LANES && (lanes * emit_across_bytes(e, s) > (lanes > WIDE_LANES ? CACHE_BYTES : STACK_BYTES) ||
+	while (lanes > FEWEST_LANES && (lanes * bytes > (lanes > WIDE_LANES ? CACHE_BYTES : STACK_BYTES) ||
 		lanes * s->carried * e->arithmetic->bytes > STACK_BYTES))
 		lanes /= 2;
 	return lanes;

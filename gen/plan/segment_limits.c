@@ -121,7 +121,7 @@ int segments_choose(
 int segments_may_differ(const struct rneagen_options *o)
 {
 	return o->segments == RNEAGEN_SEGMENTS_AUTO && !o->strict && !o->bounded &&
-		(o->precision == RNEAGEN_F32 || o->precision == RNEAGEN_F64);
+		stage_is_plain(o);
 }
 
 /* Outputs that are always zero are stored in a loop: among lines a compiler looks at each beside all others. Those of loops, and

@@ -1,5 +1,6 @@
 #include "plan/segments.h"
 #include "plan/readings.h"
+#include "plan/stage.h"
 
 /* Cuts are looked for in stretches of a segment's greatest length / WINDOWS, in each where the fewest values are alive. */
 enum { WINDOWS = 16 };
@@ -339,6 +340,13 @@ int segments_reads_input(const struct plan *segment)
 		if (l->kind == LINE_INPUT && segment->dag->nodes[l->value.i].arg[0].i < DAG_COLUMN)
 			return 1;
 	return 0;
+}
+
+int segments_bytes(const struct segments *s, const struct rneagen_options *o, int is_wide)
+{
+	int number = stage_arithmetic_bytes(o), bytes = s->slots[0] * number + (is_wide ? s->slots[1] * (int)sizeof(double) : 0);
+
+	return bytes ? bytes : number;
 }
 
 void segments_dump(const struct function *p, struct text *out)

@@ -52,6 +52,9 @@ uint32_t segments_next_loop(const struct plan *p, uint32_t line);
 /* Does a segment read an input other than a loop's column? */
 int segments_reads_input(const struct plan *segment);
 
+/* Bytes that a sample keeps across cuts, at least those of a number; `is_wide`: some numbers have more bits. */
+int segments_bytes(const struct segments *s, const struct rneagen_options *o, int is_wide);
+
 /* A line for each segment of the function, or for the whole where there are none. */
 void segments_dump(const struct function *p, struct text *out);
 

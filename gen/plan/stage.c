@@ -5,6 +5,16 @@ int stage_number_bytes(const struct rneagen_options *o)
 	return o->precision == RNEAGEN_F32 || o->precision == RNEAGEN_MIXED ? 4 : 8;
 }
 
+int stage_arithmetic_bytes(const struct rneagen_options *o)
+{
+	return o->precision == RNEAGEN_F32 ? 4 : 8;
+}
+
+int stage_is_plain(const struct rneagen_options *o)
+{
+	return o->precision == RNEAGEN_F32 || o->precision == RNEAGEN_F64;
+}
+
 int stage_place(const struct dag *d, int argument)
 {
 	int qdd = dag_find_role(d, ROLE_JOINT_ACCELERATION, 0), tau = dag_find_role(d, ROLE_JOINT_TORQUE, 1);

@@ -3,16 +3,18 @@
 /* A kernel's shared memory: how much there is, which arrays have a place in it where it stages its samples, and the windows
    through which outputs leave where they have none. */
 
+#include "plan/device.h"
 #include "plan/plan.h"
-
-/* Bytes of shared memory that a kernel has without asking; threads of a warp, the smallest block. */
-enum { SHARED_BYTES = 48 << 10, WARP_THREADS = 32 };
 
 /* Words from one slot of a window to the next: a row's elements, and a sample's, are in different banks. */
 enum { WINDOW_PITCH = WARP_THREADS + 1 };
 
-/* Bytes of a number in memory. */
+/* Bytes of a number in memory; of one in a register. */
 int stage_number_bytes(const struct rneagen_options *o);
+int stage_arithmetic_bytes(const struct rneagen_options *o);
+
+/* Are these the same numbers, f32 or f64? A value that waits in memory has all its bits then. */
+int stage_is_plain(const struct rneagen_options *o);
 
 /* Whose place an array takes: its own, but tau that of qdd: a joint's qdd is read before its torque is written. */
 int stage_place(const struct dag *d, int argument);

@@ -4,12 +4,12 @@
 
 /* Samples of a block: those of two sectors of memory in f32, or as few as fill one. Shared memory of a block at most: what all
    GPUs have since compute capability 7.5. */
-enum { MANY = 16, SECTOR_BYTES = 32, MOST_BYTES = 64 << 10 };
+enum { MANY = 16, MOST_BYTES = 64 << 10 };
 
 /* Blocks that shared memory allows, of the 227 KiB of an H100, are to fill a multiprocessor with threads. H200, a kernel alone
    that transposes 900 rows of which 494 are kept, ps a sample: f32 2080 with 256 threads, 1900 with 320, 1960 with 512; f64 by 8
    samples 3740 with 256. With all rows in shared memory: 3400 in f32. */
-enum { SM_BYTES = 227 << 10, SM_THREADS = 2048, FEWEST_THREADS = 256, MOST_THREADS = 512, WARP = 32 };
+enum { FEWEST_THREADS = 256, MOST_THREADS = 512 };
 
 struct rneagen_options transposed_options(const struct rneagen_options *o, int is_transposed)
 {
@@ -45,7 +45,7 @@ static int bytes_of(const struct dag *d, const int *kept, int samples, const str
 
 static int threads_of(int bytes)
 {
-	int threads = SM_THREADS / (SM_BYTES / bytes) / WARP * WARP;
+	int threads = MULTIPROCESSOR_THREADS / (MULTIPROCESSOR_BYTES / bytes) / WARP_THREADS * WARP_THREADS;
 
 	return threads < FEWEST_THREADS ? FEWEST_THREADS : threads > MOST_THREADS ? MOST_THREADS : threads;
 }
@@ -63,7 +63,7 @@ struct transposed transposed_of(const struct dag *d, const int *kept, const stru
 
 int transposed_may_be(const struct dag *d, const struct request *k, const struct rneagen_options *o)
 {
-	if (o->layout != RNEAGEN_AOS || (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64))
+	if (o->layout != RNEAGEN_AOS || !stage_is_plain(o))
 		return 0;
 	if (o->parts != RNEAGEN_PARTS_AUTO || o->segments != RNEAGEN_SEGMENTS_AUTO)
 		return 0;

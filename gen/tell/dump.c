@@ -35,36 +35,46 @@ void dump_dag(const struct dumped *d, struct text *out)
 
 void dump_plan(const struct dumped *d, struct text *out)
 {
-	plan_dump(&d->functions->plan, out);
+	plan_dump(&d->plans->functions->plan, out);
 }
 
 void dump_parts(const struct dumped *d, struct text *out)
 {
-	if (d->relay)
-		relay_dump(d->relay, out);
-	parts_dump(d->parts, d->part_count, d->functions, &d->analysis->tree, out);
+	const struct plans *p = d->plans;
+
+	if (p->relay)
+		relay_dump(p->relay, out);
+	parts_dump(p->parts, p->part_count, p->functions, &d->analysis->tree, out);
 }
 
 void dump_segments(const struct dumped *d, struct text *out)
 {
-	for (int i = 0; i < d->function_count; i++)
-		segments_dump(&d->functions[i], out);
-	if (d->relay)
-		segments_dump(&d->relay->start.function, out);
-	if (d->relay)
-		segments_dump(&d->relay->solve.function, out);
+	const struct plans *p = d->plans;
+
+	for (int i = 0; i < p->function_count; i++)
+		segments_dump(&p->functions[i], out);
+	if (p->relay)
+		segments_dump(&p->relay->start.function, out);
+	if (p->relay)
+		segments_dump(&p->relay->solve.function, out);
 }
 
 void dump_limbs(const struct dumped *d, struct text *out)
 {
-	int in_parts = d->part_count && !parts_are_apart(d->parts, d->part_count);
+	const struct plans *p = d->plans;
+	int in_parts = p->part_count && !parts_are_apart(p->parts, p->part_count);
 
-	for (int i = 0; i < d->part_count && in_parts; i++)
-		limbs_dump(&d->parts[i].function, out);
-	for (int i = 0; i < FOUND_ROUNDS && d->rounds; i++)
-		limbs_dump(&d->rounds[i].function, out);
-	if (!in_parts && !d->rounds)
-		limbs_dump(d->functions, out);
-	if (d->relay)
-		limbs_dump(&d->relay->start.function, out);
+	for (int i = 0; i < p->part_count && in_parts; i++)
+		limbs_dump(&p->parts[i].function, out);
+	for (int i = 0; i < FOUND_ROUNDS && p->rounds; i++)
+		limbs_dump(&p->rounds[i].function, out);
+	if (!in_parts && !p->rounds)
+		limbs_dump(p->functions, out);
+	if (p->relay)
+		limbs_dump(&p->relay->start.function, out);
+}
+
+void dump_kernels(const struct dumped *d, struct text *out)
+{
+	kernels_dump(&d->plans->kernels, out);
 }

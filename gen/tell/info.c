@@ -1,5 +1,4 @@
 #include "base/number.h"
-#include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/emit_kernel.h"
 #include "emit/kernels/emit_limbs.h"
 #include "tell/inertia_put.h"
@@ -203,7 +202,7 @@ void info_json(const struct info *x, struct text *out)
 	inertia_put_json(a, out);
 	parts_put_json(e, out);
 	if (e->target->kernel)
-		text_printf(out, "  \"block\": %d,\n  \"stage_bytes\": %d,\n", emit_block_size(e), emit_stage_bytes(e));
+		text_printf(out, "  \"block\": %d,\n  \"stage_bytes\": %d,\n", e->kernels.block, emit_stage_bytes(e));
 	if (emit_each_block(e))
 		text_printf(out, "  \"sample_threads\": %d,\n  \"most_block\": %d,\n", emit_loops(e)->limbs, emit_each_block(e));
 	if (emit_has_limbs(e))

@@ -1,7 +1,6 @@
 /* Loops over alike limbs (plan/lanes/each.h): the lines of one limb stand there once. */
 #include "base/fold.h"
 #include "base/template.h"
-#include "emit/kernels/emit_blocks.h"
 #include "emit/unparse.h"
 #include "plan/lanes/each.h"
 #include <stdlib.h>
@@ -32,7 +31,7 @@ static const char *first_text(const struct emission *e)
 
 void emit_each_numbers(const struct emission *e, const struct function *p, struct text *out)
 {
-	const struct slot first[] = {{"FIRST", first_text(e)}, {"BLOCK", emit_int(e, emit_block_size(e))},
+	const struct slot first[] = {{"FIRST", first_text(e)}, {"BLOCK", emit_int(e, e->kernels.block)},
 		{"MOST", emit_int(e, p->loops->most_block)}, {"LIMBS", emit_int(e, p->loops->limbs)}};
 	struct text rows;
 

@@ -1,8 +1,7 @@
-/* CUDA kernels: how a slice of the batch reaches the body. What they take of a multiprocessor: emit_blocks.c. */
+/* CUDA kernels: how a slice of the batch reaches the body. What they take of a multiprocessor: plan/kernels.h. */
 #include "base/template.h"
 #include "emit/emit.h"
 #include "emit/kernels/emit_alone.h"
-#include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/emit_kernel.h"
 #include "emit/kernels/emit_limbs.h"
 #include "emit/kernels/emit_parts.h"
@@ -36,9 +35,9 @@ static const char *spill_text(const struct emission *e, const char *unless_given
 
 const char *emit_spill(const struct emission *e)
 {
-	if (!emit_is_full(e) || emit_main(e)->segments.count)
+	if (!e->kernels.is_full || emit_main(e)->segments.count)
 		return "";
-	return spill_text(e, emit_is_staged(e) ? " && !RNEA_GIVEN_BYTES" : "");
+	return spill_text(e, e->kernels.is_staged ? " && !RNEA_GIVEN_BYTES" : "");
 }
 
 /* What a kernel's block does to its slice: all of it, or a part that shares nothing with others. */
@@ -65,7 +64,7 @@ static const char *direct_call(const struct emission *e, const struct work *w)
 {
 	const struct call there = {.indent = "\t", .arguments = emit_params(e, w->function, PARAMS_AT_SAMPLE), .q = emit_q_at_sample(e),
 		.stride = emit_stride(e), .q_stride = emit_q_stride(e),
-		.is_optimistic = emit_is_of_main(e, w->function) && emit_is_optimistic(e), .part = w->part,
+		.is_optimistic = emit_is_of_main(e, w->function) && e->kernels.is_optimistic, .part = w->part,
 		.handed = handed_text(e, w->function)};
 
 	return emit_call(e, w->function, &there);
@@ -88,7 +87,7 @@ static const char *prefetch_text(const struct emission *e, const struct function
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (p != emit_main(e) || !emit_is_prefetched(e))
+	if (p != emit_main(e) || !e->kernels.is_prefetched)
 		return text_string(&t);
 	for (int i = 0; i < p->dag.argument_count; i++) {
 		const struct argument *a = &p->dag.arguments[i];
@@ -136,7 +135,7 @@ static void put_work(const struct emission *e, const struct work *w, struct text
 		{"HEAD", head_text(e, w)}, {"NAME", e->options->name}, {"FUNCTION", w->function->algorithm->name}, {"T", e->memory->type},
 		{"SPILL", emit_spill(e)}, {"ZEROS", zeros_text(e, w->function)},
 		{"CALL", kernel_call(e, w, &s)}, {"TRANSPOSE", emit_transpose_begin(e)}, {"PREFETCH", prefetch_text(e, w->function)},
-		{"DECLARATION", w->part ? "" : emit_slices_declaration(e, emit_stage_words(e))},
+		{"DECLARATION", w->part ? "" : emit_slices_declaration(e, e->kernels.slice_words)},
 		{"SLICES", s.slices}, {"POINTERS", s.pointers}, {"MOVE_IN", s.move_in}, {"MOVE_OUT", s.move_out}, {"JOIN", s.join},
 		{"IN_PLACE", in_place_text(e, w->part)}, {"BLOCK", has_threads ? "RNEA_BLOCK" : "blockDim.x"},
 		{"SAMPLE", has_threads ? ", sample = threadIdx.x%RNEA_BLOCK" : ""},
@@ -152,7 +151,7 @@ static void put_work(const struct emission *e, const struct work *w, struct text
 
 static void put_kernel(const struct emission *e, const struct function *p, struct text *out)
 {
-	const struct work w = {p, NULL, emit_is_staged(e) && p == emit_main(e), NULL};
+	const struct work w = {p, NULL, e->kernels.is_staged && p == emit_main(e), NULL};
 
 	put_work(e, &w, out);
 }
@@ -238,9 +237,9 @@ static const char *before_text(const struct emission *e)
 
 static void put_both(const struct emission *e, struct text *out)
 {
-	struct apart x = {.parts = e->parts, .words = emit_is_staged(e) ? emit_stage_words(e) : 0, .is_alone = emit_alone_least(e) > 0,
-		.function = emit_main(e)->algorithm->name, .bounds = ", RNEA_MIN_BLOCKS",
-		.what = before_text(e)};
+	const struct kernels *k = &e->kernels;
+	struct apart x = {.parts = e->parts, .words = k->is_staged ? k->slice_words : 0, .is_alone = k->alone_least > 0,
+		.function = emit_main(e)->algorithm->name, .bounds = ", RNEA_MIN_BLOCKS", .what = before_text(e)};
 
 	for (int level = 0; level < emit_hand_levels(e); level++) {
 		x.count = emit_hands_of(e, level);
@@ -259,7 +258,7 @@ static void put_starts(const struct emission *e, struct text *out)
 {
 	const struct apart starts = {.parts = e->relay->starts, .count = e->relay->start_count,
 		.function = e->relay->start.function.algorithm->name, .kernel = "kernel", .bounds = "", .what = SHARE_NOTHING,
-		.words = emit_start_words(e)};
+		.words = e->kernels.start_words};
 
 	put_apart(e, &starts, out);
 }
@@ -294,7 +293,7 @@ void emit_kernels(const struct emission *e, struct text *out)
 		else
 			put_function_of(e, &e->functions[i], out);
 	emit_transpose(e, out);
-	text_put(out, emit_alone_least(e) ? "#endif\n" : "");
+	text_put(out, e->kernels.alone_least ? "#endif\n" : "");
 	if (emit_has_limbs(e))
 		emit_limbs(e, out);
 }
@@ -308,12 +307,12 @@ int emit_is_streamed(const struct emission *e)
 {
 	int has_matrix = request_wants_derivative(e->request) || request_wants(e->request, WANT_REGRESSOR);
 
-	return e->target->kernel && has_matrix && (e->options->layout == RNEAGEN_SOA || e->is_transposed) && !emit_is_staged(e);
+	return e->target->kernel && has_matrix && (e->options->layout == RNEAGEN_SOA || e->is_transposed) && !e->kernels.is_staged;
 }
 
 int emit_stores_to_tiles(const struct emission *e)
 {
-	return emit_has_tiles(e) && !emit_has_columns(e);
+	return e->kernels.has_tiles && !emit_has_columns(e);
 }
 
 const char *emit_store(const struct emission *e)
@@ -350,7 +349,7 @@ static void put_stage_aos(const struct emission *e, const struct slot *slots, si
 
 static void put_stage_start(const struct emission *e, struct text *out)
 {
-	const struct slot slots[] = {{"BYTES", emit_int(e, emit_start_words(e) * e->memory->bytes)},
+	const struct slot slots[] = {{"BYTES", emit_int(e, e->kernels.start_words * e->memory->bytes)},
 		{"COPY", e->target->kernel->stage_copy}};
 
 	template_expand(out, e->target->kernel->stage_start, slots, sizeof slots / sizeof *slots);
@@ -360,29 +359,36 @@ const char *emit_stage(const struct emission *e)
 {
 	const struct kernel_frames *f = e->target->kernel;
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", emit_main(e)->algorithm->name}, {"T", e->memory->type},
-		{"BYTES", emit_int(e, emit_slice_bytes(e))}, {"COPY", f ? f->stage_copy : ""}};
+		{"BYTES", emit_int(e, e->kernels.slice_bytes)}, {"COPY", f ? f->stage_copy : ""}};
 	struct text t;
 
 	text_init(&t, e->arena);
-	if (f && emit_is_prefetched(e))
+	if (f && e->kernels.is_prefetched)
 		template_expand(&t, f->prefetch, slots, sizeof slots / sizeof *slots);
-	if (f && emit_is_staged(e))
+	if (f && e->kernels.is_staged)
 		template_expand(&t, f->stage, slots, sizeof slots / sizeof *slots);
-	if (f && emit_start_words(e))
+	if (f && e->kernels.start_words)
 		put_stage_start(e, &t);
-	if (f && emit_is_staged(e) && e->options->layout == RNEAGEN_AOS)
+	if (f && e->kernels.is_staged && e->options->layout == RNEAGEN_AOS)
 		put_stage_aos(e, slots, sizeof slots / sizeof *slots, &t);
 	return text_string(&t);
 }
 
+/* As many threads in blocks of any size; in blocks of a warp there may be no room for so many, and registers for all. */
+const char *emit_min_blocks(const struct emission *e)
+{
+	return e->kernels.blocks
+		? text_format(e->arena, "(RNEA_BLOCK < 64 ? 0 : %d/RNEA_BLOCK)", e->kernels.blocks * e->kernels.block) : "0";
+}
+
 const char *emit_stage_launch(const struct emission *e)
 {
-	return e->target->kernel && emit_is_staged(e) ? e->target->kernel->stage_launch : "";
+	return e->target->kernel && e->kernels.is_staged ? e->target->kernel->stage_launch : "";
 }
 
 const char *emit_given(const struct emission *e, const char *kernel)
 {
-	if (!emit_is_staged(e))
+	if (!e->kernels.is_staged)
 		return "0";
 	return text_format(e->arena, "rneagen_given_bytes((const void *)%s_%s_%s)", e->options->name, emit_main(e)->algorithm->name,
 		kernel);
@@ -390,5 +396,5 @@ const char *emit_given(const struct emission *e, const char *kernel)
 
 int emit_stage_bytes(const struct emission *e)
 {
-	return e->target->kernel && emit_is_staged(e) ? emit_slice_bytes(e) : 0;
+	return e->target->kernel && e->kernels.is_staged ? e->kernels.slice_bytes : 0;
 }

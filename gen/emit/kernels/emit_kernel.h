@@ -9,6 +9,9 @@ const char *emit_spill(const struct emission *e);
 void emit_windowed(const struct emission *e, const struct function *p, struct text *out);
 void emit_put_windows(const struct emission *e, struct text *out);
 
+/* Blocks that a multiprocessor is to have room for, an expression of RNEA_BLOCK; "0": the compiler chooses. */
+const char *emit_min_blocks(const struct emission *e);
+
 /* How kernels are, in the text's head. */
 void emit_kernels_head(const struct emission *e, struct text *out);
 

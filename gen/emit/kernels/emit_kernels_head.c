@@ -137,10 +137,10 @@ void emit_kernels_head(const struct emission *e, struct text *out)
 	if (e->part_count - emit_hands(e) > 1)
 		text_printf(out, " * The %s kernel is in %d parts: its grid has as many along y, each for %s.\n", emit_main(e)->algorithm->name,
 			e->part_count - emit_hands(e), emit_is_apart(e) ? "limbs that share nothing with the others" : "the elements of some joints");
-	if (emit_alone_least(e))
+	if (e->kernels.alone_least)
 		text_printf(out, " * From %d samples on %s_%s_launch takes %s_%s_part0_kernel and so on, one for each part, instead%s.\n",
-			emit_alone_least(e), e->options->name, emit_main(e)->algorithm->name, e->options->name, emit_main(e)->algorithm->name,
-			emit_has_tiles(e) ? ", where\n * the rows of all arrays begin at multiples of 16 bytes" : "");
+			e->kernels.alone_least, e->options->name, emit_main(e)->algorithm->name, e->options->name, emit_main(e)->algorithm->name,
+			e->kernels.has_tiles ? ", where\n * the rows of all arrays begin at multiples of 16 bytes" : "");
 	if (e->is_transposed)
 		text_printf(out, " * %s_%s_launch runs %s_%s_transpose_kernel last: it transposes outputs that the others have written\n"
 			" * as [row][sample] of %d samples at a time.\n", e->options->name, emit_main(e)->algorithm->name, e->options->name,

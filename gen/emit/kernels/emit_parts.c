@@ -3,9 +3,9 @@
 #include "base/fold.h"
 #include "base/template.h"
 #include "emit/emit.h"
-#include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/emit_kernel.h"
 #include "emit/kernels/emit_parts.h"
+#include "plan/stage.h"
 #include "emit/kernels/emit_relay.h"
 #include "plan/tiles/tiles.h"
 
@@ -81,7 +81,7 @@ const char *emit_more(const struct emission *e, const struct function *p, int is
 	if (tiles_rows(p) && tiles_rows(p)->gap)
 		text_printf(&t, ", %s", emit_gap(e, p, is_staged));
 	if (p->stretches && p->stretches->period)
-		text_printf(&t, is_staged ? skip : ", 0", emit_pitch(e, stretches_rows(p->stretches, 0)), p->stretches->period);
+		text_printf(&t, is_staged ? skip : ", 0", stage_pitch(stretches_rows(p->stretches, 0), e->options), p->stretches->period);
 	if (is_handed(p))
 		text_printf(&t, ", %s", handed);
 	return text_string(&t);

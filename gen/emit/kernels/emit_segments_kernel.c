@@ -4,27 +4,6 @@
 #include "emit/kernels/emit_segments_kernel.h"
 #include "plan/stage.h"
 
-/* Samples of a thread (H100, 1 M samples, ps): g1_brainco in f32, 1, 2 and 4 take 1338, 742 and 643; in f64, 1 and 2 take 3254
-   and 2487; romeo in f64, 2 and 4 take 526 and 546. */
-enum { MOST_SINGLE = 4, MOST_DOUBLE = 2, LARGEST_BLOCK = 64 };
-
-int emit_segments_bytes(const struct emission *e, const struct function *p)
-{
-	int bytes = emit_across_bytes(e, &p->segments);
-
-	return bytes ? bytes : e->arithmetic->bytes;
-}
-
-int emit_segments_samples(const struct emission *e)
-{
-	return e->arithmetic->bytes == 4 ? MOST_SINGLE : MOST_DOUBLE;
-}
-
-int emit_segments_block(const struct emission *e, const struct function *p)
-{
-	return LARGEST_BLOCK * 2 * emit_segments_bytes(e, p) > SHARED_BYTES ? WARP_THREADS : LARGEST_BLOCK;
-}
-
 static const char *loops_in_kernel(const struct emission *e, const struct function *p)
 {
 	int has_angles = emit_has_known(e) && emit_has_angles(e, p);
@@ -60,7 +39,7 @@ void emit_segments_kernel(const struct emission *e, const struct function *p, st
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
-		{"MOST", emit_int(e, emit_segments_samples(e))}, {"BYTES", emit_int(e, emit_segments_bytes(e, p))},
+		{"MOST", emit_int(e, e->kernels.segment_samples)}, {"BYTES", emit_int(e, e->kernels.segment_bytes)},
 		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)},
 		{"SHARED", emit_across(e, &p->segments, ACROSS_SHARED)}, {"LOCAL", emit_across(e, &p->segments, ACROSS_LOCAL)},
 		{"ROUNDS", rounds_in_kernel(e, p)}};

@@ -2,7 +2,6 @@
 #include "base/template.h"
 #include "emit/emit.h"
 #include "emit/kernels/emit_alone.h"
-#include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/emit_tiles.h"
 #include "plan/tiles/tiles.h"
 #include <math.h>
@@ -30,7 +29,7 @@ static int tests_angles(const struct emission *e)
 
 int emit_asks_by_parts(const struct emission *e)
 {
-	return emit_has_columns(e) && (!emit_is_optimistic(e) || emit_has_tiles(e));
+	return emit_has_columns(e) && (!e->kernels.is_optimistic || e->kernels.has_tiles);
 }
 
 /* Does a kernel test all angles before it computes? Not one that finds out afterwards, and not one in parts with tests of their
@@ -41,7 +40,7 @@ static int kernels_ask(const struct emission *e)
 		return 1;
 	for (int i = 0; i < e->function_count; i++)
 		if (emit_has_angles(e, &e->functions[i]) &&
-			(i || !(emit_is_optimistic(e) || emit_is_apart(e) || emit_asks_by_parts(e) ||
+			(i || !(e->kernels.is_optimistic || emit_is_apart(e) || emit_asks_by_parts(e) ||
 				      e->functions[i].segments.count)))
 			return 1;
 	return 0;
@@ -136,7 +135,7 @@ static int has_parts_small(const struct emission *e)
 
 void emit_parts_small(const struct emission *e, int is_alone, struct text *out)
 {
-	for (int i = 0; i < e->part_count && has_parts_small(e) && is_alone == emit_is_optimistic(e); i++)
+	for (int i = 0; i < e->part_count && has_parts_small(e) && is_alone == e->kernels.is_optimistic; i++)
 		put_column_small(e, &e->parts[i].function, out);
 }
 
@@ -144,7 +143,7 @@ void emit_part_asks(const struct emission *e, struct text *out)
 {
 	struct text cases;
 
-	if (!has_parts_small(e) || emit_is_optimistic(e))
+	if (!has_parts_small(e) || e->kernels.is_optimistic)
 		return;
 	text_init(&cases, e->arena);
 	for (int i = 0; i < e->part_count; i++)

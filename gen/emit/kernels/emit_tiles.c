@@ -56,24 +56,6 @@ static struct tiles find_tiles(const struct emission *e)
 	return t;
 }
 
-int emit_has_tiles(const struct emission *e)
-{
-	return e->target->kernel && find_tiles(e).count;
-}
-
-int emit_alone_block(const struct emission *e)
-{
-	int most = 0;
-
-	for (int i = 0; i < emit_part_places(e); i++) {
-		const struct function *p = emit_part(e, i);
-		int words = p->tiles ? tiles_words(p, e->options) : 0;
-
-		most = words > most ? words : most;
-	}
-	return tiles_block(most * e->memory->bytes);
-}
-
 void emit_info_tiles(const struct emission *e, struct text *out)
 {
 	const struct tiles t = find_tiles(e);
@@ -150,7 +132,7 @@ void emit_tiles(const struct emission *e, struct text *out)
 	const struct slot slots[] = {{"NAME", e->options->name}, {"COUNT", emit_int(e, find_tiles(e).count)},
 		{"OUT", has_outputs(e) ? template_tiles_out_in : ""}};
 
-	if (emit_has_tiles(e))
+	if (e->kernels.has_tiles)
 		template_expand(out, template_tiles_in, slots, sizeof slots / sizeof *slots);
 }
 
@@ -160,7 +142,7 @@ const char *emit_tiles_launch(const struct emission *e)
 	const struct tiles t = find_tiles(e);
 	struct text list;
 
-	if (!emit_alone_least(e) || !emit_has_tiles(e))
+	if (!e->kernels.alone_least || !e->kernels.has_tiles)
 		return "";
 	text_init(&list, e->arena);
 	for (int i = 0; i < t.count; i++)
@@ -168,8 +150,8 @@ const char *emit_tiles_launch(const struct emission *e)
 			emit_main(e)->dag.arguments[t.list[i].argument].rows, t.list[i].rows);
 	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type},
 		{"TYPE", e->memory->bytes == 4 ? "FLOAT32" : "FLOAT64"}, {"LIST", text_string(&list)},
-		{"UNTILED", emit_serves_untiled(e) ? "1" : "0"},
-		{"WITHOUT", emit_serves_untiled(e) ? "kernels of parts pay too" : "it is faster"}};
+		{"UNTILED", e->kernels.serves_untiled ? "1" : "0"},
+		{"WITHOUT", e->kernels.serves_untiled ? "kernels of parts pay too" : "it is faster"}};
 
 	return template_text(e->arena, template_tiles_launch_in, slots, sizeof slots / sizeof *slots);
 }

@@ -4,14 +4,13 @@
 
 #include "emit/emit.h"
 
-/* Those of them that move tiles (emit_tiles.c): are there any; what they call; what their launch does before; their line of the
+/* Those of them that move tiles (emit_tiles.c): what they call; what their launch does before; their line of the
    table; one of them, which has `direct` to do where there is no engine. */
 struct tiled_kernel {
 	const struct function *function;
 	const struct part *part; /* NULL: it is none that has slices of its own */
 	const char *name, *handed, *spill, *zeros, *direct;
 };
-int emit_has_tiles(const struct emission *e);
 void emit_tiles(const struct emission *e, struct text *out);
 const char *emit_tiles_launch(const struct emission *e);
 void emit_info_tiles(const struct emission *e, struct text *out);

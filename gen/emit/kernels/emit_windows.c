@@ -1,12 +1,8 @@
 /* Kernels in layout aos whose outputs leave through windows (plan/stage.h): the kernel, its windows, and what leaves when. */
 #include "base/template.h"
 #include "emit/emit.h"
-#include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/emit_kernel.h"
 #include "plan/stage.h"
-
-/* What memory is written in. */
-enum { SECTOR_BYTES = 32 };
 
 /* A warp's outputs begin at its first sample, inputs at this thread's. */
 static const char *windowed_arguments(const struct emission *e)
@@ -87,8 +83,8 @@ static const char *runs_text(const struct emission *e, int slots)
 
 void emit_put_windows(const struct emission *e, struct text *out)
 {
-	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"BLOCK", emit_int(e, emit_block_size(e))},
-		{"SLOTS", emit_int(e, emit_windows(e)->slots)}, {"BYTES", emit_int(e, emit_window_bytes(e))},
+	const struct slot slots[] = {{"NAME", e->options->name}, {"T", e->memory->type}, {"BLOCK", emit_int(e, e->kernels.block)},
+		{"SLOTS", emit_int(e, emit_windows(e)->slots)}, {"BYTES", emit_int(e, e->kernels.window_bytes)},
 		{"SECTOR", emit_int(e, SECTOR_BYTES / e->memory->bytes)}, {"RUNS", runs_text(e, 0)}, {"RUN_SLOTS", runs_text(e, 1)}};
 
 	template_expand(out, e->target->kernel->windows, slots, sizeof slots / sizeof *slots);

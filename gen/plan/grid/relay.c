@@ -14,10 +14,8 @@
    first kernel had parts; g1_29dof 35.9, 37.0, 121, 6.45, 14 s, and 28.3, 38.6, 108, 4.11, 7 s. Nothing smaller was tried. */
 enum { LEAST_OPERATIONS = 12000 };
 
-/* Multiprocessors (H100), shared memory of each; warps of 255 and of 168 registers that it has room for; blocks that gain nothing
-   from more beside them in f64; shared memory that a block may have on all GPUs since sm_80. */
-enum { MULTIPROCESSORS = 132, MULTIPROCESSOR_BYTES = 227 << 10, WARPS = 8, WARPS_SHORT = 12, DOUBLE_BLOCKS = 4,
-	BLOCK_BYTES = 99 << 10 };
+/* Warps of 255 and of 168 registers that a multiprocessor has room for; blocks that gain nothing from more beside them in f64. */
+enum { WARPS = 8, WARPS_SHORT = 12, DOUBLE_BLOCKS = 4 };
 
 /* Values at once of a part of the first kernel in f64, beyond which its limbs serve more samples than beside other parts, and how
    many. H200, both gradients, us, the first kernel in segments, in parts, and by limbs; in brackets values in a part: 64, 1024,
@@ -34,7 +32,7 @@ static int may_be_relayed(const struct parts_of *x)
 
 	if (!x->has_kernels || !x->is_unpruned || !x->request->is_forward)
 		return 0;
-	if (o->layout != RNEAGEN_SOA || o->strict || (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64))
+	if (o->layout != RNEAGEN_SOA || o->strict || !stage_is_plain(o))
 		return 0;
 	if (o->parts != RNEAGEN_PARTS_AUTO || o->segments != RNEAGEN_SEGMENTS_AUTO)
 		return 0;
@@ -189,7 +187,7 @@ static void set_grid(struct relay *r, const struct rneagen_options *o)
 	int is_wide = o->precision == RNEAGEN_F32 && 2 * fitting(r, o, WIDE) >= WARPS_SHORT;
 
 	r->samples = is_wide ? WIDE : WARP_THREADS;
-	if (relay_bytes(r, o) > BLOCK_BYTES)
+	if (relay_bytes(r, o) > ASKED_BYTES)
 		return;
 	for (r->threads = 1; !is_wide && r->threads * fitting(r, o, WARP_THREADS) < WARPS; r->threads *= 2)
 		;

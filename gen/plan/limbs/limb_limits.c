@@ -81,7 +81,7 @@ static const struct fitted {
 };
 
 /* A block of two groups fetches code for both: atlas, 1024 samples, 4.97 and 3.94; but hyq 1.38 and 1.52. */
-enum { GROUPS = 2, REGISTERS = 65536, SPARE_REGISTERS = 24, MOST_THREADS = 1024 };
+enum { GROUPS = 2, SPARE_REGISTERS = 24 };
 
 /* Outputs that go through windows have no limbs, whose warps would write elements that stand a sample apart (64 to 4096
    samples, both gradients of hyq, whole matrices: 21 us, through windows 8.6). */
@@ -99,17 +99,12 @@ enum { FIRST_SINES = 4100, SINE_OPERATIONS = 24 };
    code takes longer to fetch: qdd of floating hyq by four warps, one sample, 5.9 us instead of 3.1. */
 enum { JOIN_OPERATIONS = 60 };
 
-/* Of values across: twice what a block has unasked. GPUs from compute capability 8.0 on have as much. */
-enum { ACROSS_BYTES = 96 << 10 };
-
-static unsigned number_bytes(const struct rneagen_options *o)
-{
-	return o->precision == RNEAGEN_F32 ? 4 : 8;
-}
+/* Of values across: less than a block may ask for. */
+enum { ACROSS_BYTES = 2 * SHARED_BYTES };
 
 static const struct code_limits *code_limits(const struct rneagen_options *o)
 {
-	return &CODE[number_bytes(o) == 8];
+	return &CODE[stage_arithmetic_bytes(o) == 8];
 }
 
 static void take_none(struct function *const *functions, int count)
@@ -125,7 +120,7 @@ static int makes_sines_first(struct function *const *functions, int count, const
 		return 0;
 	for (int i = 0; i < count; i++) {
 		const struct plan *p = &functions[i]->plan;
-		unsigned again = number_bytes(o) == 8 ? SINE_OPERATIONS * plan_sincos(p) : 0;
+		unsigned again = stage_arithmetic_bytes(o) == 8 ? SINE_OPERATIONS * plan_sincos(p) : 0;
 
 		if (limbs_operations(p, a) + again >= FIRST_SINES)
 			return 1;
@@ -138,7 +133,7 @@ static unsigned make_all(
 	struct function *const *functions, int count, int warps, const struct rneagen_options *o, struct arena *a)
 {
 	struct limbs_limits limits = {.warps = warps,
-		.across = ACROSS_BYTES / WARP_THREADS / number_bytes(o) - 1, .join = JOIN_OPERATIONS,
+		.across = ACROSS_BYTES / WARP_THREADS / (unsigned)stage_arithmetic_bytes(o) - 1, .join = JOIN_OPERATIONS,
 		.spill = code_limits(o)->spill,
 		.has_first_sines = makes_sines_first(functions, count, o, a)};
 	unsigned longest = 0;
@@ -182,7 +177,7 @@ static int have_room(const struct limbs *s, int groups, int words, unsigned byte
 {
 	unsigned threads = (unsigned)(groups * s->warps) * WARP_THREADS;
 
-	return threads <= MOST_THREADS && threads * ((unsigned)s->alive * bytes / 4 + SPARE_REGISTERS) <= REGISTERS &&
+	return threads <= BLOCK_THREADS && threads * ((unsigned)s->alive * bytes / 4 + SPARE_REGISTERS) <= REGISTERS &&
 	       (unsigned)(groups * words) * WARP_THREADS * bytes <= SHARED_BYTES;
 }
 
@@ -222,7 +217,7 @@ static long long fitted_share(const struct function *p, int values, const struct
 
 static unsigned most_fitted(const struct function *p, const struct rneagen_options *o, struct arena *a)
 {
-	const struct fitted *x = &FITTED[number_bytes(o) == 8][o->layout == RNEAGEN_AOS];
+	const struct fitted *x = &FITTED[stage_arithmetic_bytes(o) == 8][o->layout == RNEAGEN_AOS];
 	long long share = fitted_share(p, plan_alive(&p->plan, a), x);
 	unsigned most = LEAST_SAMPLES;
 
@@ -248,7 +243,7 @@ static unsigned most_samples(struct function *const *functions, int count, const
 /* What all of them have in common. */
 static void set_launch(struct function *const *functions, int count, const struct rneagen_options *o, struct arena *a)
 {
-	int words = words_across(functions, count), groups = most_groups(functions, count, words, number_bytes(o));
+	int words = words_across(functions, count), groups = most_groups(functions, count, words, (unsigned)stage_arithmetic_bytes(o));
 	unsigned most;
 
 	for (int i = 0; i < count; i++) {
@@ -326,7 +321,7 @@ int limbs_choose(struct function *const *functions, int count, const struct rnea
 
 void limbs_beside_starts(struct limbs *s, const struct rneagen_options *o)
 {
-	s->most = number_bytes(o) == 8 && s->first.count ? MOST_BESIDE_STARTS_F64 : MOST_BESIDE_PARTS;
+	s->most = stage_arithmetic_bytes(o) == 8 && s->first.count ? MOST_BESIDE_STARTS_F64 : MOST_BESIDE_PARTS;
 }
 
 void limbs_beside_limbs(struct limbs *s, int parts, const struct rneagen_options *o)
@@ -339,7 +334,7 @@ void limbs_beside_limbs(struct limbs *s, int parts, const struct rneagen_options
 
 void limbs_beside_hands(struct limbs *s, const struct rneagen_options *o)
 {
-	int is_f64 = number_bytes(o) == 8;
+	int is_f64 = stage_arithmetic_bytes(o) == 8;
 
 	if (o->layout == RNEAGEN_AOS)
 		s->most = is_f64 ? MOST_BESIDE_HANDS_AOS_F64 : MOST_BESIDE_HANDS_AOS;
@@ -360,5 +355,5 @@ void limbs_beside_sides(struct limbs *s, const struct rneagen_options *o)
 	if (o->layout != RNEAGEN_AOS)
 		s->most = MOST_BESIDE;
 	else
-		s->most = number_bytes(o) == 8 ? MOST_BESIDE_SIDES_AOS_F64 : MOST_BESIDE_SIDES_AOS;
+		s->most = stage_arithmetic_bytes(o) == 8 ? MOST_BESIDE_SIDES_AOS_F64 : MOST_BESIDE_SIDES_AOS;
 }

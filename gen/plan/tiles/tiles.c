@@ -109,9 +109,7 @@ static int may_have(const struct chosen *x)
 	const struct rneagen_options *o = x->of->options;
 	const struct dag *d = &x->whole->dag;
 
-	if (!x->of->has_kernels || o->layout != RNEAGEN_SOA || x->of->request->refine_steps)
-		return 0;
-	if (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64)
+	if (!x->of->has_kernels || o->layout != RNEAGEN_SOA || x->of->request->refine_steps || !stage_is_plain(o))
 		return 0;
 	for (int i = 0; i < d->argument_count; i++)
 		if (d->arguments[i].per_batch)

@@ -185,7 +185,8 @@ static enum rneagen_code emit(struct tree *t, const struct request *k, enum oper
 {
 	struct function pass = {.algorithm = &OPERATIONS[operation]};
 	struct emission emission = {
-		.tree = t, .request = k, .options = o, .functions = &pass, .function_count = 1, .arena = a, .error = e};
+		.tree = t, .request = k, .options = o, .functions = &pass, .function_count = 1,
+		.kernels = kernels_plain(o), .arena = a, .error = e};
 	struct text source;
 
 	t->joint_count = t->mimic_count = 0;

@@ -1,6 +1,5 @@
 /* How slices of the batch come to shared memory, and leave it. */
 #include "emit/emit.h"
-#include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/slices/emit_slices.h"
 #include "emit/kernels/slices/slice_rows.h"
 #include "plan/stage.h"
@@ -48,7 +47,7 @@ static void put_function(const struct emission *e, const struct stretches *s, co
 	int rows = slice_stretch(s, d, argument, k).rows;
 
 	text_printf(out, "\t\trneagen_stage%s_%s<%d, %d", is_some(e, s, argument, k) ? "_rows" : "", direction, rows,
-		emit_pitch(e, slice_place_rows(s, d, argument)));
+		stage_pitch(slice_place_rows(s, d, argument), e->options));
 	if (is_some(e, s, argument, k))
 		text_printf(out, ", %d", d->arguments[argument].rows);
 	text_put(out, ">(");
@@ -145,7 +144,7 @@ const char *slice_join(const struct emission *e, const struct stretches *s)
 	text_init(&t, e->arena);
 	if (s && is_joined(e, s))
 		text_printf(&t, "\t\trneagen_stage_join<%d, %d, %d>(%s_slice);\n", s->period,
-			emit_pitch(e, slice_place_rows(s, d, 0)), emit_divided_slot(s), d->arguments[0].name);
+			stage_pitch(slice_place_rows(s, d, 0), e->options), emit_divided_slot(s), d->arguments[0].name);
 	return text_string(&t);
 }
 
@@ -167,7 +166,7 @@ static void put_divided_out(const struct emission *e, const struct stretches *s,
 		if (!(s->periods >> i & 1))
 			continue;
 		text_printf(out, "\t\trneagen_stage_rows_out<%d, %d, %d>(%s + first*%d", own->rows,
-			emit_pitch(e, slice_place_rows(s, emit_arguments(e), i)), a->rows, a->name, a->rows);
+			stage_pitch(slice_place_rows(s, emit_arguments(e), i), e->options), a->rows, a->name, a->rows);
 		slice_put_shift(first, out);
 		text_printf(out, ", %s_slice", emit_arguments(e)->arguments[i].name);
 		slice_put_shift(slot, out);
@@ -244,7 +243,7 @@ static const char *found_moves(const struct emission *e, const struct stretches 
 		const struct argument *vjp = &d->arguments[s->divided];
 
 		text_printf(&t, "\t\trneagen_stage_rows_in<%d, %d, %d>(%s_slice", s->found.rows,
-			emit_pitch(e, slice_place_rows(s, d, place)), vjp->rows, d->arguments[place].name);
+			stage_pitch(slice_place_rows(s, d, place), e->options), vjp->rows, d->arguments[place].name);
 		slice_put_shift(s->found.first + s->shift - s->place[0]->first, &t);
 		text_printf(&t, ", %s + first*%d", vjp->name, vjp->rows);
 		slice_put_shift(stretches_found_row(s, k) + s->found.first, &t);

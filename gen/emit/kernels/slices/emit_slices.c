@@ -2,7 +2,6 @@
    A part that shares nothing with others has stretches of rows alone. */
 #include "base/template.h"
 #include "emit/emit.h"
-#include "emit/kernels/emit_blocks.h"
 #include "emit/kernels/slices/emit_slices.h"
 #include "emit/kernels/slices/slice_rows.h"
 #include "plan/stage.h"
@@ -66,7 +65,7 @@ static const char *slices_text(const struct emission *e, const struct stretches 
 			continue;
 		text_printf(&t, "%s*const %s_slice = ", last >= 0 ? ", " : "", d->arguments[i].name);
 		if (last >= 0)
-			text_printf(&t, "%s_slice + %s*%d", d->arguments[last].name, block, emit_pitch(e, slice_place_rows(s, d, last)));
+			text_printf(&t, "%s_slice + %s*%d", d->arguments[last].name, block, stage_pitch(slice_place_rows(s, d, last), e->options));
 		else
 			text_put(&t, e->options->layout == RNEAGEN_AOS ? "slices" : "slices + threadIdx.x");
 		last = i;
@@ -107,7 +106,7 @@ static const char *pointers_text(const struct emission *e, const struct stretche
 		text_printf(&t, "%s%s%s *const %s_here = staged ? %s_slice", e->options->layout == RNEAGEN_AOS ? "\t\t" : "\t",
 			a->is_output ? "" : "const ", e->memory->type, a->name, d->arguments[slice_place(s, d, i)].name);
 		if (e->options->layout == RNEAGEN_AOS)
-			text_printf(&t, " + %s*%d", emit_each_block(e) ? "sample" : "threadIdx.x", emit_pitch(e, slice_place_rows(s, d, i)));
+			text_printf(&t, " + %s*%d", emit_each_block(e) ? "sample" : "threadIdx.x", stage_pitch(slice_place_rows(s, d, i), e->options));
 		if (before)
 			text_printf(&t, " %c %s%s%d", before < 0 ? '-' : '+', e->options->layout == RNEAGEN_AOS ? "" : block,
 				e->options->layout == RNEAGEN_AOS ? "" : "*", abs(before));
@@ -130,7 +129,7 @@ static const char *found_text(const struct emission *e, const struct stretches *
 		int place = stretches_found_place(d, k);
 
 		text_printf(&t, "\t\tconst %s *const %s_here = staged ? %s_slice + threadIdx.x*%d", e->memory->type,
-			k == FOUND_MU ? "mu" : "found", d->arguments[place].name, emit_pitch(e, slice_place_rows(s, d, place)));
+			k == FOUND_MU ? "mu" : "found", d->arguments[place].name, stage_pitch(slice_place_rows(s, d, place), e->options));
 		slice_put_shift(s->shift - s->place[0]->first, &t);
 		text_printf(&t, " : %s + k*%d", d->arguments[s->divided].name, d->arguments[s->divided].rows);
 		slice_put_shift(stretches_found_row(s, k), &t);

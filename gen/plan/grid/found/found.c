@@ -4,6 +4,7 @@
 #include "plan/grid/hands/turns.h"
 #include "plan/grid/joined.h"
 #include "plan/grid/places.h"
+#include "plan/stage.h"
 #include <string.h>
 
 /* Values at once of the whole, beyond which there are two kernels. H200, ps for each of a million samples, one kernel and two, in
@@ -82,9 +83,8 @@ static int is_served(const struct parts_of *x)
 	const struct rneagen_options *o = x->options;
 	const struct request *k = x->request;
 
-	if (!x->has_kernels || !x->is_unpruned || o->strict || k->refine_steps || !k->is_forward || k->stored_count != 1)
-		return 0;
-	if (o->precision != RNEAGEN_F32 && o->precision != RNEAGEN_F64)
+	if (!x->has_kernels || !x->is_unpruned || o->strict || k->refine_steps || !k->is_forward || k->stored_count != 1 ||
+		!stage_is_plain(o))
 		return 0;
 	if (k->contact_count)
 		return (product_of(x) == WANT_QDD || (product_of(x) == WANT_VJP && request_is_plain_product(k, &k->vjp))) &&
