@@ -49,8 +49,8 @@ static unsigned walk(struct dealer *x, uint32_t line, uint32_t warp, unsigned mo
 		again += x->made[i] ? x->weight[i] : 0;
 		if (again > repeated)
 			return TOO_MUCH;
-		for (uint32_t k = x->readings.begin[i]; k < x->readings.begin[i + 1]; k++) {
-			uint32_t before = x->readings.made[x->readings.list[k].node];
+		for (uint32_t k = x->begin[i]; k < x->begin[i + 1]; k++) {
+			uint32_t before = x->before[k];
 
 			if (x->seen[before] == x->now || x->own[before] & warp)
 				continue;
@@ -112,8 +112,8 @@ static void find_cones(struct dealer *x, unsigned most)
 			x->cone[i] = x->first_cone[i];
 			continue;
 		}
-		for (uint32_t k = x->readings.begin[i]; k < x->readings.begin[i + 1]; k++) {
-			uint32_t before = x->readings.made[x->readings.list[k].node];
+		for (uint32_t k = x->begin[i]; k < x->begin[i + 1]; k++) {
+			uint32_t before = x->before[k];
 
 			if (!has_crossed(x, before) && x->cone[before] > least)
 				least = x->cone[before];
@@ -244,6 +244,27 @@ unsigned deal_weight(const struct readings *r, size_t line)
 	return r->weight[line] + (kind == LINE_INPUT || kind == LINE_SINE || kind == LINE_STORE);
 }
 
+static int find_before(struct dealer *x)
+{
+	const struct readings *r = &x->readings;
+	uint32_t count = 0;
+
+	x->begin = arena_alloc(x->a, x->lines + 1, sizeof *x->begin);
+	x->before = arena_take(x->a, r->begin[x->lines] + 1, sizeof *x->before);
+	for (uint32_t i = 0; i < x->lines && !x->a->failed; i++) {
+		x->now++;
+		for (uint32_t k = r->begin[i]; k < r->begin[i + 1]; k++) {
+			uint32_t line = r->made[r->list[k].node];
+
+			if (x->seen[line] != x->now)
+				x->before[count++] = line;
+			x->seen[line] = x->now;
+		}
+		x->begin[i + 1] = count;
+	}
+	return !x->a->failed;
+}
+
 int deal_begin(struct dealer *x)
 {
 	size_t n = x->lines;
@@ -266,5 +287,5 @@ int deal_begin(struct dealer *x)
 		return 0;
 	for (uint32_t i = 0; i < n; i++)
 		x->weight[i] = deal_weight(&x->readings, i);
-	return 1;
+	return find_before(x);
 }

@@ -29,6 +29,7 @@ struct dealer {
 	struct arena *a;
 	uint32_t lines;
 	uint32_t *weight;          /* by line: operations */
+	uint32_t *before, *begin;  /* by line, from its begin to the next one's: the lines that make what it reads, each once */
 	uint32_t *own;             /* by line: a bit for each warp that has its values */
 	unsigned char *made;       /* by line: 1 + the phase that makes it first; 0: none yet */
 	unsigned char *did;        /* by warp and line: 1 + the phase in which the warp makes it; 0: it does not */
