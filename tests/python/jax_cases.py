@@ -265,10 +265,10 @@ def case_second():
                 q = jnp.concatenate([q[:3], q[3:7] / jnp.linalg.norm(q[3:7]), q[7:]])
             return sum((x ** 2).sum() for x in jax.tree.leaves(robot(q, *rest)))
 
-        gradient, step = jax.grad(loss), 1e-6
+        gradient, step = jax.jit(jax.grad(loss)), 1e-6
         right = jnp.stack([(gradient(q + step * e) - gradient(q - step * e)) / (2 * step) for e in np.eye(robot.nq)], 1)
         along = jax.jit(jax.vmap(lambda v: jax.jvp(gradient, (q,), (v,))[1]))(jnp.eye(robot.nq))
-        for hessian in (jax.hessian(loss)(q), jax.jacrev(gradient)(q), along.T, jax.jit(jax.jacrev(jax.jacfwd(loss)))(q)):
+        for hessian in (jax.jit(jax.hessian(loss))(q), jax.jit(jax.jacrev(gradient))(q), along.T, jax.jit(jax.jacrev(jax.jacfwd(loss)))(q)):
             assert near(hessian, right, 1e-6), options
     robot = load("double_pendulum", free=["mass.lower"])
     slopes, x = jax.grad(lambda *x: (robot(*x) ** 2).sum()), arrays(robot)
@@ -286,13 +286,13 @@ def case_positions():
     q, v = unit(robot, q), 2 * v / jnp.linalg.norm(v)
     there = jax.jit(robot.integrate)(q, v)
     assert near(there, jnp.asarray(robot.integrate(np.asarray(q), np.asarray(v)))) and near(robot.difference(q, there), v)
-    still = jax.jacfwd(lambda v: robot.difference(q, robot.integrate(q, v)))(0 * v)
+    still = jax.jit(jax.jacfwd(lambda v: robot.difference(q, robot.integrate(q, v))))(0 * v)
     assert near(still, jnp.eye(robot.nv)), still
     start = robot.neutral()  # of NumPy, beside a tracer
-    assert near(jax.grad(lambda v: robot.integrate(start, v)[0])(0 * v), jnp.eye(robot.nv)[0])
+    assert near(jax.jit(jax.grad(lambda v: robot.integrate(start, v)[0]))(0 * v), jnp.eye(robot.nv)[0])
     round_ = start.copy()
     round_[3:7] = 1, 0, 0, 0
-    slope = jax.jacfwd(lambda q: robot.difference(q, round_))(jnp.asarray(start))
+    slope = jax.jit(jax.jacfwd(lambda q: robot.difference(q, round_)))(jnp.asarray(start))
     assert jnp.isfinite(slope).all(), slope
     for kind in ("int32", "float32"):
         made = robot.integrate(jnp.asarray(start, kind), v)
@@ -311,7 +311,7 @@ def case_mujoco():
         names = [a.name for a in other.inputs]
         given = [dict(zip(("q", "qd", "qdd"), x))[name] for name in names]
         for order, modes in ((1, ["fwd", "rev"]), *([(2, ["rev"])] if want == "tau" else [])):
-            check_grads(lambda q, *rest: other(unit(robot, q), *rest), given, order, modes, rtol=1e-4, atol=1e-3)
+            check_grads(jax.jit(lambda q, *rest: other(unit(robot, q), *rest)), given, order, modes, rtol=1e-4, atol=1e-3)
     moved = jax.jit(lambda q, v: robot.difference(q, robot.integrate(q, v)))(x[0], x[1] / 9)
     assert near(moved, plain.qd / 9)
     refused(TypeError, ["qd", "float32", "float64"], robot, x[0], x[1].astype("float32"), x[2])
