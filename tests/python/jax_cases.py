@@ -268,7 +268,8 @@ def case_second():
         gradient, step = jax.jit(jax.grad(loss)), 1e-6
         right = jnp.stack([(gradient(q + step * e) - gradient(q - step * e)) / (2 * step) for e in np.eye(robot.nq)], 1)
         along = jax.jit(jax.vmap(lambda v: jax.jvp(gradient, (q,), (v,))[1]))(jnp.eye(robot.nq))
-        for hessian in (jax.jit(jax.hessian(loss))(q), jax.jit(jax.jacrev(gradient))(q), along.T, jax.jit(jax.jacrev(jax.jacfwd(loss)))(q)):
+        by_jit = [jax.jit(f)(q) for f in (jax.hessian(loss), jax.jacrev(gradient), jax.jacrev(jax.jacfwd(loss)))]
+        for hessian in (*by_jit, along.T):
             assert near(hessian, right, 1e-6), options
     robot = load("double_pendulum", free=["mass.lower"])
     slopes, x = jax.grad(lambda *x: (robot(*x) ** 2).sum()), arrays(robot)
