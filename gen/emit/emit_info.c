@@ -4,6 +4,7 @@
 #include "emit/kernels/emit_kernel.h"
 #include "emit/kernels/emit_limbs.h"
 #include "emit/kernels/emit_relay.h"
+#include "plan/segments.h"
 #include "emit/kernels/emit_segments_kernel.h"
 #include "emit/kernels/emit_tiles.h"
 #include "emit/kernels/emit_transpose.h"
@@ -112,7 +113,8 @@ static void put_function(const struct emission *e, const struct function *p, str
 	}
 	text_printf(out, "operations %u %u %u %u %u %u\n", n.mul, n.add, n.sub, n.neg, n.fma, n.sincos);
 	if (e->target->kernel && p->segments.count)
-		text_printf(out, "segments %d %d\n", e->kernels.segment_bytes, e->kernels.segment_samples);
+		text_printf(out, "segments %d %d\n",
+			segments_bytes(&p->segments, e->options, e->wide != NULL), kernels_segment_samples(e->options));
 	if (is_main)
 		put_kernels(e, out);
 }

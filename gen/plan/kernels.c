@@ -111,7 +111,11 @@ static void choose_memory(const struct maker *m, struct kernels *s)
 	if (!g->count)
 		return;
 	s->segment_bytes = segments_bytes(g, m->options, m->is_wide);
-	s->segment_samples = m->is_double ? SEGMENT_DOUBLE : SEGMENT_SINGLE;
+}
+
+int kernels_segment_samples(const struct rneagen_options *o)
+{
+	return stage_arithmetic_bytes(o) == 4 ? SEGMENT_SINGLE : SEGMENT_DOUBLE;
 }
 
 /* ---- how inputs come ---- */
@@ -322,7 +326,7 @@ void kernels_dump(const struct kernels *s, struct text *out)
 		{"takes angles for small ones", s->is_optimistic}, {"asks for inputs in advance", s->is_prefetched},
 		{"slice of a sample, bytes", s->is_staged ? s->slice_bytes : 0}, {"slice of a relay's first kernel, words", s->start_words},
 		{"window of a warp, bytes", s->window_bytes}, {"across cuts, bytes", s->segment_bytes},
-		{"samples of a thread", s->segment_samples}, {"each part has a kernel from so many samples on", s->alone_least},
+		{"each part has a kernel from so many samples on", s->alone_least},
 		{"threads of a block there", s->alone_least ? s->alone_block : 0}, {"moves tiles there", s->has_tiles}};
 
 	for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)

@@ -17,7 +17,6 @@ struct kernels {
 	int start_words;    /* of a slice of a relay's first kernel; 0: it reads the arrays themselves */
 	int window_bytes;   /* of a warp, the window through which outputs leave (stage.h); 0: there is none */
 	int segment_bytes;  /* what a sample keeps across cuts; 0: the kernel has no segments */
-	int segment_samples; /* that a thread takes, at most */
 	int alone_least;    /* from so many samples on, each part, or the whole, has a kernel of its own; 0: it never has */
 	int alone_block;    /* threads of a block there */
 	int has_tiles;      /* those move tiles (tiles/tiles.h) */
@@ -28,6 +27,9 @@ struct kernels {
    The options are those that kernels are written by (transposed_options). Where memory runs out, a->failed is set. */
 struct kernels kernels_choose(
 	const struct parts_of *x, const struct part *parts, int count, const struct relay *relay, struct arena *a);
+
+/* Samples that a thread takes at most in a kernel in segments. */
+int kernels_segment_samples(const struct rneagen_options *o);
 
 /* That of a function which is no algorithm, and has nothing in shared memory. */
 struct kernels kernels_plain(const struct rneagen_options *o);
