@@ -357,6 +357,37 @@ START_TEST(halves)
 }
 END_TEST
 
+/* A first kernel in segments keeps its own values across cuts, where the main kernel has none: 8 bytes for each that the pass
+   tells of. With the main kernel's bytes the launch would divide by 0. */
+START_TEST(first_in_segments)
+{
+	struct rneagen_options o = rneagen_options_default();
+	size_t length;
+	char *urdf = target_robot("atlas", &length), room[60];
+	const char *found;
+	struct target t;
+	int values = 0;
+
+	o.scene = "tip l_foot,r_foot,l_hand\nwant qdd,dqdd_dq,dqdd_dqd\n";
+	o.base = RNEAGEN_FLOATING;
+	o.target = RNEAGEN_TARGET_CUDA;
+	o.precision = RNEAGEN_F64;
+	o.limbs = RNEAGEN_LIMBS_NONE;
+	o.dump = RNEAGEN_DUMP_SEGMENTS;
+	target_generate(&t, urdf, length, &o, "segmented");
+	found = strstr(t.text.dump, "fd_start: ");
+	ck_assert(found && sscanf(found, "fd_start: %d values across", &values) == 1 && values > 0);
+	target_close(&t);
+	o.dump = RNEAGEN_DUMP_NONE;
+	target_generate(&t, urdf, length, &o, "segmented");
+	snprintf(room, sizeof room, "(49152/(RNEA_BLOCK*%d))\n", 8 * values);
+	ck_assert_msg(strstr(t.text.source, room) != NULL, "the first kernel has no room for %d values", values);
+	ck_assert(strstr(t.text.source, "(RNEA_ACROSS_ROOM >= 2 ? 2 :") != NULL);
+	target_close(&t);
+	free(urdf);
+}
+END_TEST
+
 START_TEST(relay)
 {
 	static const char *const no_limbs[] = {"-DRNEA_NO_LIMBS"};
@@ -485,6 +516,7 @@ int main(void)
 	setvbuf(stdout, NULL, _IOLBF, 0);
 	suite_add(suite, "texts", texts, 1, 300);
 	suite_add(suite, "halves", halves, 2, 60);
+	suite_add(suite, "first_in_segments", first_in_segments, 1, 60);
 	suite_add(suite, "relay", relay, RELAYED_COUNT - (exhaustive() ? 0 : LONG_COUNT), 300);
 	suite_add(suite, "strict", strict, 2, 120);
 	return suite_run(suite);

@@ -40,7 +40,8 @@ void emit_segments_kernel(const struct emission *e, const struct function *p, st
 {
 	const struct slot slots[] = {{"NAME", e->options->name}, {"FUNCTION", p->algorithm->name},
 		{"BOUNDS", p == emit_main(e) ? "RNEA_BLOCK, RNEA_MIN_BLOCKS" : "RNEA_BLOCK"},
-		{"MOST", emit_int(e, kernels_segment_samples(e->options))}, {"BYTES", emit_int(e, segments_bytes(&p->segments, e->options, e->wide != NULL))},
+		{"MOST", emit_int(e, kernels_segment_samples(e->options))},
+		{"BYTES", emit_int(e, segments_bytes(&p->segments, e->options, e->wide != NULL))},
 		{"SHARED_BYTES", emit_int(e, SHARED_BYTES)}, {"RESTRICT_PARAMS", emit_params(e, p, PARAMS_CUDA_RESTRICT)},
 		{"SHARED", emit_across(e, &p->segments, ACROSS_SHARED)}, {"LOCAL", emit_across(e, &p->segments, ACROSS_LOCAL)},
 		{"ROUNDS", rounds_in_kernel(e, p)}};
