@@ -73,16 +73,10 @@ static inline const struct windows *emit_windows(const struct emission *e)
 	return &emit_part(e, 0)->windows;
 }
 
-/* Is the main function in parts for matrices, which write as in soa? In aos without that outputs leave through windows. */
-static inline int emit_has_columns(const struct emission *e)
-{
-	return e->part_count && !emit_is_apart(e) && (e->options->layout == RNEAGEN_SOA || e->is_transposed);
-}
-
-/* Which of these parts a function is; -1: none. */
+/* Which of the parts that have the elements of matrices a function is; -1: none. */
 static inline int emit_column_part(const struct emission *e, const struct function *p)
 {
-	for (int i = 0; i < e->part_count && emit_has_columns(e); i++)
+	for (int i = 0; i < e->part_count && e->kernels.has_columns; i++)
 		if (p == &e->parts[i].function)
 			return i;
 	return -1;

@@ -20,11 +20,11 @@ enum rneagen_code plans_build(struct plans *p, struct analysis *a)
 }
 
 /* What kernels and parts are planned of. */
-static struct parts_of divided(struct plans *p, struct analysis *a, const struct rneagen_options *o)
+static struct parts_of divided(struct plans *p, struct analysis *a, const struct rneagen_options *o, int is_transposed)
 {
 	return (struct parts_of){.whole = &p->functions[0], .raw = &a->raw, .tree = &a->tree, .request = &a->request, .options = o,
 		.has_kernels = target_type_of(o->target)->kernel != NULL, .is_unpruned = a->adjust.prune == 0,
-		.is_transposed = p->is_transposed};
+		.is_transposed = is_transposed};
 }
 
 enum rneagen_code plans_parts(struct plans *p, struct analysis *a)
@@ -32,9 +32,8 @@ enum rneagen_code plans_parts(struct plans *p, struct analysis *a)
 	int may_transpose = target_type_of(a->options.target)->kernel &&
 		transposed_may_be(&p->functions[0].dag, &a->request, &a->options);
 	const struct rneagen_options o = transposed_options(&a->options, may_transpose);
-	struct parts_of x = divided(p, a, &o);
+	const struct parts_of x = divided(p, a, &o, may_transpose);
 
-	x.is_transposed = may_transpose;
 	if (!relay_or_parts(&p->relay, &p->parts, &p->part_count, &x, a->arena, a->error) && !p->relay && !may_transpose)
 		tiles_choose(&p->functions[0], p->parts, p->part_count, &x, a->arena, a->error);
 	p->is_transposed = may_transpose && (p->relay || p->part_count);
@@ -83,7 +82,7 @@ static enum rneagen_code choose_for_kernel(struct plans *p, struct analysis *a,
 /* Of the rounds of what found.h divides, where they have some. */
 static int found_limbs(struct plans *p, struct analysis *a)
 {
-	const struct parts_of x = divided(p, a, &a->options);
+	const struct parts_of x = divided(p, a, &a->options, p->is_transposed);
 
 	return parts_division(p->parts, p->part_count) != DIVIDED_IN_ROUNDS ||
 		found_limbs_make(&p->rounds, p->parts, p->part_count, &x, a->arena);
@@ -107,7 +106,7 @@ enum rneagen_code plans_limbs(struct plans *p, struct analysis *a)
 enum rneagen_code plans_kernels(struct plans *p, struct analysis *a)
 {
 	const struct rneagen_options o = transposed_options(&a->options, p->is_transposed);
-	const struct parts_of x = divided(p, a, &o);
+	const struct parts_of x = divided(p, a, &o, p->is_transposed);
 
 	p->kernels = kernels_choose(&x, p->parts, p->part_count, p->relay, a->arena);
 	return a->arena->failed ? error_memory(a->error) : RNEAGEN_OK;

@@ -51,6 +51,17 @@ struct maker {
 
 /* ---- shared memory ---- */
 
+/* What the kernel computes in a place along y of its grid: a part, or the whole; how many such places there are. */
+static const struct function *function_of(const struct maker *m, int place)
+{
+	return m->count ? &m->parts[place].function : m->whole;
+}
+
+static int places(const struct maker *m)
+{
+	return m->count ? m->count : 1;
+}
+
 /* Words that slices take of the part that takes most. */
 static int words_of(const struct part *parts, int count, const struct rneagen_options *o)
 {
@@ -86,22 +97,17 @@ static int may_stage_parts(const struct maker *m)
 	return m->is_apart && (!m->has_derivatives || (m->options->layout == RNEAGEN_AOS && m->parts[0].function.stretches->period));
 }
 
-static const struct windows *windows_of(const struct maker *m)
-{
-	return m->count ? &m->parts[0].function.windows : &m->whole->windows;
-}
-
 /* Segments and windows have shared memory of their own. */
 static int is_staged(const struct maker *m, int words)
 {
-	return (!m->count || may_stage_parts(m)) && !m->whole->segments.count && !windows_of(m)->slots &&
+	return (!m->count || may_stage_parts(m)) && !m->whole->segments.count && !function_of(m, 0)->windows.slots &&
 		stage_has_room(words, m->options);
 }
 
 static void choose_memory(const struct maker *m, struct kernels *s)
 {
 	const struct segments *g = &m->whole->segments;
-	int slots = windows_of(m)->slots;
+	int slots = function_of(m, 0)->windows.slots;
 
 	s->slice_words = slice_words(m);
 	s->slice_bytes = s->slice_words * stage_number_bytes(m->options);
@@ -148,7 +154,7 @@ static int is_prefetched(const struct maker *m, int staged)
    */
 static int is_optimistic(const struct maker *m, int staged)
 {
-	return !m->is_double && !staged && !windows_of(m)->slots && m->bodies < MANY_BODIES;
+	return !m->is_double && !staged && !function_of(m, 0)->windows.slots && m->bodies < MANY_BODIES;
 }
 
 /* ---- blocks ---- */
@@ -233,26 +239,18 @@ static int blocks_of(const struct maker *m, const struct kernels *s)
 
 /* ---- kernels of large batches ---- */
 
-static int have_tiles(const struct maker *m)
+/* Words that tiles take of the part that takes most; 0: none has tiles. */
+static int alone_words(const struct maker *m)
 {
-	int has_some = !m->count && m->whole->tiles;
+	int most = 0;
 
-	for (int i = 0; i < m->count; i++)
-		has_some |= m->parts[i].function.tiles != NULL;
-	return m->x->has_kernels && has_some && !m->whole->segments.count;
-}
-
-static int alone_block(const struct maker *m)
-{
-	int most = !m->count && m->whole->tiles ? tiles_words(m->whole, m->options) : 0;
-
-	for (int i = 0; i < m->count; i++) {
-		const struct function *p = &m->parts[i].function;
+	for (int i = 0; i < places(m); i++) {
+		const struct function *p = function_of(m, i);
 		int words = p->tiles ? tiles_words(p, m->options) : 0;
 
 		most = words > most ? words : most;
 	}
-	return tiles_block(most * stage_number_bytes(m->options));
+	return most;
 }
 
 static int least_tiled(const struct maker *m)
@@ -283,10 +281,13 @@ static int alone_least(const struct maker *m, const struct kernels *s)
 
 static void choose_alone(const struct maker *m, struct kernels *s)
 {
-	s->has_tiles = have_tiles(m);
+	int words = alone_words(m);
+
+	s->has_tiles = m->x->has_kernels && words > 0 && !m->whole->segments.count;
+	s->has_columns = m->has_columns;
 	s->serves_untiled = m->has_columns && !m->is_double;
 	s->alone_least = alone_least(m, s);
-	s->alone_block = alone_block(m);
+	s->alone_block = tiles_block(words * stage_number_bytes(m->options));
 }
 
 /* ---- all of it ---- */

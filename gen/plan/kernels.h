@@ -19,6 +19,7 @@ struct kernels {
 	int segment_bytes;  /* what a sample keeps across cuts; 0: the kernel has no segments */
 	int alone_least;    /* from so many samples on, each part, or the whole, has a kernel of its own; 0: it never has */
 	int alone_block;    /* threads of a block there */
+	int has_columns;    /* parts have the elements of matrices, and write as in soa: else, in aos, outputs leave through windows */
 	int has_tiles;      /* those move tiles (tiles/tiles.h) */
 	int serves_untiled; /* and pay without a copy engine, too */
 };

@@ -120,8 +120,7 @@ int segments_choose(
 
 int segments_may_differ(const struct rneagen_options *o)
 {
-	return o->segments == RNEAGEN_SEGMENTS_AUTO && !o->strict && !o->bounded &&
-		stage_is_plain(o);
+	return o->segments == RNEAGEN_SEGMENTS_AUTO && !o->strict && !o->bounded && stage_is_plain(o);
 }
 
 /* Outputs that are always zero are stored in a loop: among lines a compiler looks at each beside all others. Those of loops, and

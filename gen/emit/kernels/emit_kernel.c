@@ -312,7 +312,7 @@ int emit_is_streamed(const struct emission *e)
 
 int emit_stores_to_tiles(const struct emission *e)
 {
-	return e->kernels.has_tiles && !emit_has_columns(e);
+	return e->kernels.has_tiles && !e->kernels.has_columns;
 }
 
 const char *emit_store(const struct emission *e)

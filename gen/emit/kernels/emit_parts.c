@@ -5,8 +5,8 @@
 #include "emit/emit.h"
 #include "emit/kernels/emit_kernel.h"
 #include "emit/kernels/emit_parts.h"
-#include "plan/stage.h"
 #include "emit/kernels/emit_relay.h"
+#include "plan/stage.h"
 #include "plan/tiles/tiles.h"
 
 void emit_put_sample_call(

@@ -29,7 +29,7 @@ static int tests_angles(const struct emission *e)
 
 int emit_asks_by_parts(const struct emission *e)
 {
-	return emit_has_columns(e) && (!e->kernels.is_optimistic || e->kernels.has_tiles);
+	return e->kernels.has_columns && (!e->kernels.is_optimistic || e->kernels.has_tiles);
 }
 
 /* Does a kernel test all angles before it computes? Not one that finds out afterwards, and not one in parts with tests of their
