@@ -23,7 +23,7 @@ static int is_there(const struct dealer *x, uint32_t line)
 
 static int has_crossed(const struct dealer *x, uint32_t line)
 {
-	return x->made[line] && x->made[line] <= x->phase;
+	return x->line[line].made && x->line[line].made <= x->phase;
 }
 
 /* Operations that a line takes from what is there, for the warps in `warp`; it stops beyond `most`, and returns TOO_MUCH where
@@ -36,7 +36,7 @@ static unsigned walk(struct dealer *x, uint32_t line, uint32_t warp, unsigned mo
 	x->now++;
 	x->walked_count = 0;
 	x->stack[depth++] = line;
-	x->seen[line] = x->now;
+	x->line[line].seen = x->now;
 	while (depth && cost <= most) {
 		uint32_t i = x->stack[--depth];
 
@@ -45,16 +45,16 @@ static unsigned walk(struct dealer *x, uint32_t line, uint32_t warp, unsigned mo
 			cost++;
 			continue;
 		}
-		cost += x->weight[i];
-		again += x->made[i] ? x->weight[i] : 0;
+		cost += x->line[i].weight;
+		again += x->line[i].made ? x->line[i].weight : 0;
 		if (again > repeated)
 			return TOO_MUCH;
 		for (uint32_t k = x->begin[i]; k < x->begin[i + 1]; k++) {
 			uint32_t before = x->before[k];
 
-			if (x->seen[before] == x->now || x->own[before] & warp)
+			if (x->line[before].seen == x->now || x->line[before].own & warp)
 				continue;
-			x->seen[before] = x->now;
+			x->line[before].seen = x->now;
 			x->stack[depth++] = before;
 		}
 	}
@@ -69,12 +69,12 @@ static void take(struct dealer *x, int warp, uint32_t line)
 	for (uint32_t k = 0; k < x->walked_count; k++) {
 		uint32_t i = x->walked[k];
 
-		x->own[i] |= 1u << warp;
+		x->line[i].own |= 1u << warp;
 		if (has_crossed(x, i))
 			continue;
 		x->did[(size_t)warp * x->lines + i] = (unsigned char)(x->phase + 1);
-		if (!x->made[i] && !is_there(x, i))
-			x->made[i] = (unsigned char)(x->phase + 1);
+		if (!x->line[i].made && !is_there(x, i))
+			x->line[i].made = x->phase + 1;
 	}
 }
 
@@ -106,7 +106,7 @@ static void find_cones(struct dealer *x, unsigned most)
 	for (uint32_t i = 0; i < x->lines; i++) {
 		unsigned least = 0;
 
-		if (x->made[i])
+		if (x->line[i].made)
 			continue;
 		if (!x->phase && x->first_cone[i]) {
 			x->cone[i] = x->first_cone[i];
@@ -126,7 +126,7 @@ static void find_cones(struct dealer *x, unsigned most)
 
 static int is_ready(const struct dealer *x, uint32_t line, unsigned most, int only_sines)
 {
-	return !x->made[line] && is_work(x, line) && x->cone[line] <= most &&
+	return !x->line[line].made && is_work(x, line) && x->cone[line] <= most &&
 		(!only_sines || x->p->lines[line].kind == LINE_SINCOS);
 }
 
@@ -151,18 +151,6 @@ static uint32_t sort_lines(struct dealer *x, unsigned most, int only_sines)
 	return count;
 }
 
-static void run_phase(struct dealer *x, unsigned most, int only_sines)
-{
-	uint32_t count;
-
-	memset(x->load, 0, sizeof x->load);
-	find_cones(x, most);
-	count = sort_lines(x, most, only_sines);
-	for (uint32_t k = 0; k < count; k++)
-		if (!x->made[x->order[k]])
-			offer(x, x->order[k], most);
-}
-
 static unsigned longest_load(const struct dealer *x)
 {
 	unsigned longest = 0;
@@ -170,6 +158,19 @@ static unsigned longest_load(const struct dealer *x)
 	for (int w = 0; w < x->warps; w++)
 		longest = x->load[w] > longest ? x->load[w] : longest;
 	return longest;
+}
+
+/* It ends early where a warp has so many operations that the deal is no better than another. */
+static void run_phase(struct dealer *x, unsigned most, int only_sines, unsigned enough)
+{
+	uint32_t count;
+
+	memset(x->load, 0, sizeof x->load);
+	find_cones(x, most);
+	count = sort_lines(x, most, only_sines);
+	for (uint32_t k = 0; k < count && longest_load(x) < enough; k++)
+		if (!x->line[x->order[k]].made)
+			offer(x, x->order[k], most);
 }
 
 static unsigned all_loads(const struct dealer *x)
@@ -187,7 +188,7 @@ static unsigned operations_left(const struct dealer *x)
 	unsigned left = 0;
 
 	for (uint32_t i = 0; i < x->lines; i++)
-		left += is_work(x, i) && !x->made[i] ? x->weight[i] : 0;
+		left += is_work(x, i) && !x->line[i].made ? x->line[i].weight : 0;
 	return left;
 }
 
@@ -199,42 +200,92 @@ unsigned deal_sines_most(const struct dealer *x, int warps)
 	for (uint32_t i = 0; i < x->lines; i++)
 		if (x->p->lines[i].kind == LINE_SINCOS) {
 			count++;
-			heaviest = x->weight[i] > heaviest ? x->weight[i] : heaviest;
+			heaviest = x->line[i].weight > heaviest ? x->line[i].weight : heaviest;
 		}
 	all = (count + (unsigned)warps - 1) / (unsigned)warps;
 	return all * (heaviest + 3);
 }
 
-/* At least, where so many operations are left. */
-static unsigned deal_cost(const struct dealer *x, unsigned left)
+/* What all code costs at least, where so many operations are left. */
+static unsigned code_cost(const struct dealer *x, unsigned left)
 {
 	unsigned code = x->sum + left > CODE_ROOM ? x->sum + left - CODE_ROOM : 0;
 
-	return x->longest + left / (unsigned)x->warps + code * CODE_PERCENT / 100;
+	return code * CODE_PERCENT / 100;
+}
+
+/* At least, where so many operations are left. */
+static unsigned deal_cost(const struct dealer *x, unsigned left)
+{
+	return x->longest + left / (unsigned)x->warps + code_cost(x, left);
+}
+
+/* Returns the operations left; any number where the deal comes to `enough`. */
+static unsigned next_phase(struct dealer *x, const struct deal *deal, unsigned left, unsigned enough)
+{
+	unsigned join = x->phase ? x->limits->join : 0, before = x->longest + join + code_cost(x, left);
+
+	run_phase(x, deal->most[x->phase], deal->has_sines && !x->phase, enough > before ? enough - before : 0);
+	x->longest += longest_load(x) + join;
+	x->sum += all_loads(x);
+	x->phases = ++x->phase;
+	return operations_left(x);
+}
+
+/* From what is kept on. */
+static void begin_deal(struct dealer *x, const struct deal *deal)
+{
+	const struct dealt *k = &x->kept;
+	size_t all = (size_t)deal->warps * x->lines;
+
+	x->warps = deal->warps;
+	x->repeated = deal->repeated;
+	x->longest = k->longest;
+	x->sum = k->sum;
+	x->phase = k->phases;
+	if (!k->phases) {
+		for (uint32_t i = 0; i < x->lines; i++)
+			x->line[i] = (struct dealt_line){.weight = x->line[i].weight, .seen = x->line[i].seen};
+		memset(x->did, 0, all);
+		return;
+	}
+	memcpy(x->line, k->line, x->lines * sizeof *x->line);
+	memcpy(x->did, k->did, all);
 }
 
 unsigned deal_run(struct dealer *x, const struct deal *deal, unsigned enough)
 {
 	unsigned left;
 
-	x->warps = deal->warps;
-	x->repeated = deal->repeated;
-	x->longest = x->sum = 0;
-	memset(x->own, 0, x->lines * sizeof *x->own);
-	memset(x->made, 0, x->lines);
-	memset(x->did, 0, (size_t)x->warps * x->lines);
-	for (x->phase = 0; x->phase < MOST_PHASES; x->phase++) {
-		run_phase(x, deal->most[x->phase], deal->has_sines && !x->phase);
-		x->longest += longest_load(x) + (x->phase ? x->limits->join : 0);
-		x->sum += all_loads(x);
-		x->phases = x->phase + 1;
-		left = operations_left(x);
+	begin_deal(x, deal);
+	left = operations_left(x);
+	while (x->phase < MOST_PHASES) {
+		left = next_phase(x, deal, left, enough);
 		if (deal_cost(x, left) >= enough)
 			return TOO_MUCH;
 		if (!left)
 			return deal_cost(x, 0);
 	}
 	return TOO_MUCH;
+}
+
+int deal_keep(struct dealer *x, const struct deal *deal, int phases)
+{
+	struct dealt *k = &x->kept;
+	unsigned left;
+
+	k->phases = 0;
+	k->longest = k->sum = 0;
+	begin_deal(x, deal);
+	left = operations_left(x);
+	while (left && x->phase < phases)
+		left = next_phase(x, deal, left, TOO_MUCH);
+	memcpy(k->line, x->line, x->lines * sizeof *x->line);
+	memcpy(k->did, x->did, (size_t)x->warps * x->lines);
+	k->longest = x->longest;
+	k->sum = x->sum;
+	k->phases = x->phase;
+	return left > 0;
 }
 
 unsigned deal_weight(const struct readings *r, size_t line)
@@ -256,9 +307,9 @@ static int find_before(struct dealer *x)
 		for (uint32_t k = r->begin[i]; k < r->begin[i + 1]; k++) {
 			uint32_t line = r->made[r->list[k].node];
 
-			if (x->seen[line] != x->now)
+			if (x->line[line].seen != x->now)
 				x->before[count++] = line;
-			x->seen[line] = x->now;
+			x->line[line].seen = x->now;
 		}
 		x->begin[i + 1] = count;
 	}
@@ -269,14 +320,13 @@ int deal_begin(struct dealer *x)
 {
 	size_t n = x->lines;
 
-	x->weight = arena_alloc(x->a, n, sizeof *x->weight);
-	x->own = arena_alloc(x->a, n, sizeof *x->own);
-	x->made = arena_alloc(x->a, n, 1);
+	x->line = arena_alloc(x->a, n, sizeof *x->line);
 	x->did = arena_alloc(x->a, n * MOST_WARPS, 1);
+	x->kept = (struct dealt){.line = arena_alloc(x->a, n, sizeof *x->kept.line),
+		.did = arena_alloc(x->a, n * MOST_WARPS, 1)};
 	x->cone = arena_alloc(x->a, n, sizeof *x->cone);
 	x->first_cone = arena_alloc(x->a, n, sizeof *x->first_cone);
 	x->order = arena_alloc(x->a, n, sizeof *x->order);
-	x->seen = arena_alloc(x->a, n, sizeof *x->seen);
 	x->stack = arena_alloc(x->a, n, sizeof *x->stack);
 	x->walked = arena_alloc(x->a, n, sizeof *x->walked);
 	x->last_read = arena_take(x->a, x->p->dag->count, sizeof *x->last_read);
@@ -286,6 +336,6 @@ int deal_begin(struct dealer *x)
 	if (!readings_make(&x->readings, x->p, x->a) || x->a->failed)
 		return 0;
 	for (uint32_t i = 0; i < n; i++)
-		x->weight[i] = deal_weight(&x->readings, i);
+		x->line[i].weight = deal_weight(&x->readings, i);
 	return find_before(x);
 }

@@ -22,25 +22,40 @@ struct crossing {
 	unsigned char *seen;   /* by node, of a warp */
 };
 
+/* What deals know of a line, side by side, since walks over lines take most of their time. */
+struct dealt_line {
+	uint32_t weight; /* operations */
+	uint32_t own;    /* a bit for each warp that has its values */
+	int made;        /* 1 + the phase that makes it first; 0: none yet */
+	uint32_t seen;   /* the last walk that has been there */
+};
+
+/* What the first phases of a deal have done. */
+struct dealt {
+	struct dealt_line *line;
+	unsigned char *did;
+	unsigned longest, sum;
+	int phases;
+};
+
 struct dealer {
 	const struct plan *p;
 	struct readings readings;
 	const struct limbs_limits *limits;
 	struct arena *a;
 	uint32_t lines;
-	uint32_t *weight;          /* by line: operations */
+	struct dealt_line *line;
 	uint32_t *before, *begin;  /* by line, from its begin to the next one's: the lines that make what it reads, each once */
-	uint32_t *own;             /* by line: a bit for each warp that has its values */
-	unsigned char *made;       /* by line: 1 + the phase that makes it first; 0: none yet */
 	unsigned char *did;        /* by warp and line: 1 + the phase in which the warp makes it; 0: it does not */
 	uint32_t *cone, *first_cone; /* by line: operations that it takes from what is there; in the first phase */
 	uint32_t *order;           /* lines of a phase, those that take most first */
-	uint32_t *seen, now;       /* by line: the walk that has been there */
+	uint32_t now;              /* the walk */
 	uint32_t *stack, *walked, walked_count;
 	struct crossing crossing;
 	uint32_t *last_read, *ends; /* of a warp, by node: which of its lines reads it last; by line: how many it is the last to read */
 	unsigned load[MOST_WARPS], repeated;
 	int warps, phase;
+	struct dealt kept; /* where a deal begins */
 	/* what a deal comes to */
 	unsigned longest, sum; /* operations of the longest warp, and of all */
 	int phases;
@@ -52,6 +67,10 @@ int deal_begin(struct dealer *x);
 /* Deal out. Returns the cost: the operations of the longest warp, and a share of those of all; TOO_MUCH where the phases do not
    suffice or `enough` is reached. */
 unsigned deal_run(struct dealer *x, const struct deal *deal, unsigned enough);
+
+/* Deals begin with the first phases of this one from here on, and differ from it after these alone; 0: with none. Returns 0
+   where nothing is left after them. */
+int deal_keep(struct dealer *x, const struct deal *deal, int phases);
 
 /* 1 + the phase in which a warp makes a line; 0: it does not. */
 static inline unsigned char deal_did(const struct dealer *x, int warp, uint32_t line)

@@ -53,7 +53,7 @@ static int choose_slots(const struct dealer *x, struct crossing *c)
 		for (uint32_t i = 0; i < x->p->dag->count; i++) {
 			int slot = 0;
 
-			if (c->slot[i] < 0 || x->made[x->readings.made[i]] != phase + 1)
+			if (c->slot[i] < 0 || x->line[x->readings.made[i]].made != phase + 1)
 				continue;
 			while (slot < slots && busy[slot] >= phase + 1)
 				slot++;
@@ -150,7 +150,7 @@ int deal_alive(struct dealer *x)
 static int keeper(const struct dealer *x, uint32_t line)
 {
 	for (int w = 0; w < x->warps; w++)
-		if (deal_did(x, w, line) && deal_did(x, w, line) == x->made[line])
+		if (deal_did(x, w, line) && deal_did(x, w, line) == x->line[line].made)
 			return w;
 	return -1;
 }

@@ -55,6 +55,8 @@ static void refine(struct dealer *x, int rounds, struct deal *best, unsigned *le
 		for (int phase = best->has_sines; phase < MOST_PHASES - 1; phase++) {
 			struct deal from = *best;
 
+			if (!deal_keep(x, &from, phase))
+				break;
 			for (size_t i = 0; i < sizeof factors / sizeof *factors; i++) {
 				struct deal d = from;
 
@@ -77,6 +79,7 @@ static struct deal choose(struct dealer *x, unsigned whole)
 				&least);
 	if (best.warps)
 		refine(x, whole > LONG_PLAN ? 1 : 2, &best, &least);
+	deal_keep(x, &best, 0);
 	return best;
 }
 
