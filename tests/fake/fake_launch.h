@@ -116,4 +116,4 @@ static cudaError_t cudaLaunchKernel(const void *kernel, dim3 grid, dim3 block, v
 			fake_run_serial(large, arguments, grid, parts, block);                                         \
 	}                                                                                                              \
 	alignas(1024) unsigned char fake_given_memory[FAKE_MOST_SHARED];                                               \
-	extern "C" __attribute__((alias("slices"))) unsigned char fake_across[] __asm__(across);
+	extern "C" __attribute__((alias("slices"))) unsigned char fake_across[FAKE_MOST_SHARED] __asm__(across);

@@ -9,7 +9,6 @@
    architectures it claims to know (default "75 80 90"). */
 #define _GNU_SOURCE
 #include "fake_cache.h"
-#include "support/exhaustive.h"
 #include <ctype.h>
 #include <elf.h>
 #include <stdatomic.h>
@@ -166,7 +165,7 @@ static void write_given(FILE *f, const struct program *p)
 	if (end)
 		fprintf(f,
 			"#if defined RNEA_LIMBS\nextern \"C\" __attribute__((alias(\"slices\"))) unsigned char "
-			"fake_across[] __asm__(\"%.*s_across\");\n#endif\n",
+			"fake_across[FAKE_MOST_SHARED] __asm__(\"%.*s_across\");\n#endif\n",
 			(int)(end - name), name);
 }
 
@@ -315,7 +314,7 @@ static int refuses(int count, const char *const *options)
 int nvrtcCompileProgram(void *program, int count, const char *const *options)
 {
 	/* what lies where a device cannot read or write it ends the program, as it does there */
-	static const char flags[] = FAKE_CXX " -std=c++17 -shared -fPIC -w -fno-gnu-unique -pthread -fsanitize=alignment"
+	static const char flags[] = FAKE_CXX " " FAKE_CXX_FLAG " -std=c++17 -shared -fPIC -w -pthread -fsanitize=alignment"
 						 " -fsanitize-undefined-trap-on-error";
 	const char *fail = getenv("RNEA_FAKE_NVRTC_FAIL");
 	char folder[] = "/tmp/fake_nvrtc_XXXXXX", command[COMMAND_LIMIT];
@@ -326,7 +325,7 @@ int nvrtcCompileProgram(void *program, int count, const char *const *options)
 		return COMPILATION;
 	compilations++;
 	/* optimised, texts are compiled for longer than they run */
-	snprintf(command, sizeof command, "%s %s", flags, exhaustive() ? "-O1" : "-O0");
+	snprintf(command, sizeof command, "%s -O0", flags);
 	if (fail)
 		return atoi(fail);
 	for (int i = 0; i < count; i++)

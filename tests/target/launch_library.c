@@ -10,8 +10,8 @@
 void *launch_library(const struct target *t, const char *stem, const char *before, const char *after)
 {
 	struct target_path source = target_path(stem, ".cc"), library = target_path(stem, ".so");
-	const char *const argv[] = {FAKE_CXX, "-std=c++17", "-shared", "-fPIC", "-O1", "-w", "-Wno-psabi", "-fno-gnu-unique", "-pthread",
-		"-o", library.s, source.s, NULL};
+	const char *const argv[] = {FAKE_CXX, FAKE_CXX_FLAG, "-std=c++17", "-shared", "-fPIC", "-O0", "-w", "-Wno-psabi",
+		"-pthread", "-o", library.s, source.s, NULL};
 	char *text, *at;
 	size_t length;
 	FILE *f = open_memstream(&text, &length);
