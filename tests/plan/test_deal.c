@@ -1,5 +1,5 @@
 /* Lines of small plans that are drawn, dealt out to warps with little room, and run. What limbs.c takes is the best of many
-   deals of robots (dag/test_limbs); here every deal is run. It would catch a value that is read where it is not; one that is
+   deals of robots (test_limbs); here every deal is run. It would catch a value that is read where it is not; one that is
    written over in its slot while another warp needs it, which threads read in time now and then; slots held too long; two warps
    that make the same where none may; and slots, phases and operations counted wrong, by which a worse deal is taken, or none,
    with the same numbers. */

@@ -1,4 +1,4 @@
-/* Orders of lines, and counts of values at once, of small DAGs that are drawn. dag/test_order looks at orders that are taken, of
+/* Orders of lines, and counts of values at once, of small DAGs that are drawn. test_order looks at orders that are taken, of
    robots; here each is written. It would catch a line that comes before what it reads, or is lost, in an order that is not taken
    today; an order in which more values wait than need be, by which registers spill and no number changes; and values at once
    counted wrong, by which other kernels are chosen, with the same numbers. */
