@@ -33,7 +33,7 @@ static const struct subject {
 	{"atlas", "want tau,dtau_dq,dtau_dqd\n", 0, 5, "16896", 1},
 	{"atlas", "vjp qdd\n", 1, 0, "253440", 1},		       /* tiles of inputs alone, in some of the kernels */
 	{"hyq", "jvp qdd\n", 1, 0, "253440", 1},
-	{"g1_29dof", "want qdd\nweld left_ankle_roll_link,right_ankle_roll_link\n", 1, 0, "524288", 1}, /* forces first */
+	{"g1_29dof", "want qdd\nweld left_ankle_roll_link,right_ankle_roll_link\n", 1, 0, "65536", 1}, /* forces first */
 	{"g1_29dof", "want tau,vjp\n", 1, 0, "253440", 1},	       /* sides of a base */
 };
 enum { SUBJECT_COUNT = sizeof SUBJECTS / sizeof *SUBJECTS };
