@@ -1,8 +1,8 @@
 /* Lines of small plans that are drawn, dealt out to warps with little room, and run. What limbs.c takes is the best of many
    deals of robots (test_limbs); here every deal is run. It would catch a value that is read where it is not; one that is
    written over in its slot while another warp needs it, which threads read in time now and then; slots held too long; two warps
-   that make the same where none may; and slots, phases and operations counted wrong, by which a worse deal is taken, or none,
-   with the same numbers. */
+   that make the same where none may; and slots, phases and operations counted wrong, a deal that ends before it costs too much,
+   or is another one from phases that were kept on, by which a worse deal is taken, or none, with the same numbers. */
 #include "plan/drawn.h"
 #include "plan/limbs/deal.h"
 #include "support/suite.h"
@@ -233,6 +233,30 @@ static struct deal draw_deal(struct rng *r, unsigned whole)
 	return d;
 }
 
+/* The same from any of its phases on, and no end before the deal costs as much. */
+static void expect_kept(const struct case_ *c, struct dealer *x, const struct deal *deal, unsigned cost)
+{
+	size_t size = (size_t)x->warps * x->lines;
+	unsigned char *did = malloc(size);
+	unsigned sum = x->sum;
+	int phases = x->phase;
+
+	ck_assert_ptr_nonnull(did);
+	memcpy(did, x->did, size);
+	for (int phase = phases; phase >= 0; phase--) {
+		ck_assert_int_eq(deal_keep(x, deal, phase), phase < phases);
+		if (phase == phases)
+			continue;
+		memset(x->did, 0xff, size); /* as another deal may leave it */
+		ck_assert_msg(deal_run(x, deal, cost + 1) == cost, "seed %llu: from phase %d on another cost", c->seed, phase);
+		ck_assert_int_eq(x->phase, phases);
+		ck_assert_uint_eq(x->sum, sum);
+		ck_assert_msg(!memcmp(did, x->did, size), "seed %llu: from phase %d on another deal", c->seed, phase);
+		ck_assert_uint_eq(deal_run(x, deal, cost), TOO_MUCH);
+	}
+	free(did);
+}
+
 START_TEST(test_drawn)
 {
 	int deals = 0, phases = 0, shared = 0;
@@ -264,12 +288,14 @@ START_TEST(test_drawn)
 			whole += weight(&c->plan, &c->plan.lines[i]);
 		for (int k = 0; k < 6; k++) {
 			const struct deal deal = draw_deal(&r, whole);
+			unsigned cost = deal_run(&x, &deal, TOO_MUCH);
 
-			if (deal_run(&x, &deal, TOO_MUCH) == TOO_MUCH)
+			if (cost == TOO_MUCH)
 				continue;
 			deal_plans(&x, &c->limbs);
 			ck_assert(!a.failed);
 			expect_runs(c, &x, &deal);
+			expect_kept(c, &x, &deal, cost);
 			deals++;
 			phases += c->limbs.phases > 2;
 			shared += c->kept_count > c->limbs.slots;

@@ -228,7 +228,7 @@ static unsigned next_phase(struct dealer *x, const struct deal *deal, unsigned l
 	run_phase(x, deal->most[x->phase], deal->has_sines && !x->phase, enough > before ? enough - before : 0);
 	x->longest += longest_load(x) + join;
 	x->sum += all_loads(x);
-	x->phases = ++x->phase;
+	x->phase++;
 	return operations_left(x);
 }
 

@@ -54,11 +54,10 @@ struct dealer {
 	struct crossing crossing;
 	uint32_t *last_read, *ends; /* of a warp, by node: which of its lines reads it last; by line: how many it is the last to read */
 	unsigned load[MOST_WARPS], repeated;
-	int warps, phase;
+	int warps, phase;  /* the phase that is dealt out; of a deal that was run, how many it has */
 	struct dealt kept; /* where a deal begins */
 	/* what a deal comes to */
 	unsigned longest, sum; /* operations of the longest warp, and of all */
-	int phases;
 };
 
 /* Arrays of a dealer whose p, limits, a and lines are set. Returns 0 when memory runs out. */

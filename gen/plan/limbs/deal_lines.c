@@ -7,7 +7,7 @@ static uint32_t order_own(struct dealer *x, int w)
 {
 	uint32_t count = 0;
 
-	for (int phase = 0; phase < x->phases; phase++)
+	for (int phase = 0; phase < x->phase; phase++)
 		for (uint32_t i = 0; i < x->lines; i++)
 			if (deal_did(x, w, i) == phase + 1 && x->p->lines[i].kind != LINE_INPUT)
 				x->order[count++] = i;
@@ -49,7 +49,7 @@ static int choose_slots(const struct dealer *x, struct crossing *c)
 	int slots = 0;
 	unsigned char *busy = arena_alloc(x->a, x->p->dag->count, 1); /* by slot: up to this phase */
 
-	for (int phase = 0; busy && phase < x->phases; phase++)
+	for (int phase = 0; busy && phase < x->phase; phase++)
 		for (uint32_t i = 0; i < x->p->dag->count; i++) {
 			int slot = 0;
 
@@ -197,7 +197,7 @@ static void make_warp(const struct dealer *x, struct crossing *c, int warp, stru
 	if (!out->lines)
 		return;
 	add_inputs(x, c, warp, out);
-	for (int phase = 0; phase < x->phases; phase++) {
+	for (int phase = 0; phase < x->phase; phase++) {
 		if (phase)
 			plan_add_line(out, LINE_JOIN, none, (size_t)phase);
 		for (uint32_t i = 0; i < x->lines; i++)
@@ -215,5 +215,5 @@ void deal_plans(struct dealer *x, struct limbs *s)
 	for (int w = 0; w < x->warps; w++)
 		make_warp(x, &x->crossing, w, &s->plans[w]);
 	s->warps = x->warps;
-	s->phases = x->phases;
+	s->phases = x->phase;
 }
