@@ -114,9 +114,7 @@ static void choose_memory(const struct maker *m, struct kernels *s)
 	s->start_words = start_words(m);
 	s->is_staged = is_staged(m, s->slice_words);
 	s->window_bytes = slots ? (slots + 1) * WINDOW_PITCH * stage_number_bytes(m->options) : 0;
-	if (!g->count)
-		return;
-	s->segment_bytes = segments_bytes(g, m->options, m->is_wide);
+	s->segment_bytes = g->count ? segments_bytes(g, m->options, m->is_wide) : 0;
 }
 
 int kernels_segment_samples(const struct rneagen_options *o)

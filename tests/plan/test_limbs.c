@@ -219,27 +219,16 @@ static int check_text(const char *urdf, size_t length, const struct rneagen_opti
 	return count;
 }
 
-static char *read_named(const char *name, size_t *length)
-{
-	char path[500], *text;
-
-	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", name);
-	text = read_file(path, length);
-	ck_assert_msg(text != NULL, "no file %s", path);
-	return text;
-}
-
 /* It would catch a value that no warp leaves for the others, and a slot that is used again too early. */
 START_TEST(test_robots)
 {
 	struct rneagen_options o = rneagen_options_default();
 	const char *name = ROBOTS[_i % ROBOT_COUNT];
-	size_t length;
-	char *urdf = read_named(name, &length);
+	char *urdf = robot_text(name);
 
 	o.scene = SCENES[_i / ROBOT_COUNT];
 	if (strcmp(name, "atlas") || _i / ROBOT_COUNT < ATLAS_SCENES)
-		ck_assert_msg(check_text(urdf, length, &o, name, 4, 16) || strstr(o.scene, "fold") ||
+		ck_assert_msg(check_text(urdf, strlen(urdf), &o, name, 4, 16) || strstr(o.scene, "fold") ||
 			!strcmp(name, "double_pendulum"), "%s, scene '%s': no schedule", name, o.scene);
 	free(urdf);
 }
@@ -288,14 +277,13 @@ START_TEST(test_chosen)
 	struct rneagen_options o = rneagen_options_default();
 	struct rneagen_error e;
 	struct rneagen_result r;
-	size_t length;
-	char says[64], *urdf = read_named(c->name, &length);
+	char says[64], *urdf = robot_text(c->name);
 
 	snprintf(says, sizeof says, "#define RNEA_LIMBS %d\n", c->warps);
 	o.scene = *c->scene ? c->scene : NULL;
 	o.base = c->base;
 	o.precision = c->precision;
-	ck_assert_msg(!rneagen_generate(urdf, length, &o, &r, &e), "%s", e.message);
+	ck_assert_msg(!rneagen_generate(urdf, strlen(urdf), &o, &r, &e), "%s", e.message);
 	ck_assert_msg(strstr(r.source, says) != NULL, "%s: not %d warps", c->name, c->warps);
 	free(urdf);
 	rneagen_result_free(&r);

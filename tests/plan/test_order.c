@@ -206,15 +206,11 @@ static struct most order(const char *urdf, size_t length, const struct rneagen_o
 static struct most order_robot(const char *name, const char *scene)
 {
 	struct rneagen_options o = rneagen_options_default();
-	char path[500], *urdf;
+	char *urdf = robot_text(name);
 	struct most most;
-	size_t length;
 
-	snprintf(path, sizeof path, TEST_DIR "/robots/%s.urdf", name);
-	urdf = read_file(path, &length);
-	ck_assert_msg(urdf != NULL, "no file %s", path);
 	o.scene = scene;
-	most = order(urdf, length, &o, name);
+	most = order(urdf, strlen(urdf), &o, name);
 	free(urdf);
 	return most;
 }

@@ -4,10 +4,11 @@ import os
 import re
 import shutil
 import subprocess
+from pathlib import Path
 from typing import NamedTuple
 
 CC = shutil.which(os.environ.get("CC", "cc"))
-QUICK = shutil.which("clang") or CC  # gcc takes twice its time where nothing is optimised
+QUICK_CC = Path(__file__).resolve().parents[1] / "target" / "quick_cc"
 
 
 class Signature(NamedTuple):
@@ -32,7 +33,6 @@ def call_defines(f, number, size):
 def loaded(text, name):
     """The function of the text at this path, compiled without optimisation, and the names of its arrays."""
     library = text.with_suffix(".so")
-    subprocess.run([QUICK, "-std=c11", "-O0", "-Dalways_inline=unused", "-shared", "-fPIC", "-o", library, text, "-lm"],
-                   check=True)
+    subprocess.run([QUICK_CC, "-std=c11", "-shared", "-fPIC", "-o", library, text, "-lm"], check=True)
     found = signature(text.with_suffix(".h").read_text(), name)
     return getattr(ctypes.CDLL(str(library)), found.name), found.arrays
