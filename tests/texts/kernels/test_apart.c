@@ -222,13 +222,7 @@ static void check(
 	printf("%s in %u parts, blocks of %u: within %.1e, seed %d\n", s->name, x.info->parts, block, worst, SEED);
 	int grows = strstr(s->scene, "qdd") != NULL; /* by the condition of M */
 
-#if defined FP_FAST_FMA
-	ck_assert_double_lt(worst, s->precision == RNEAGEN_F32 ? (grows ? 1e-3 : 2e-5) : s->precision == RNEAGEN_MIXED ? 1e-6 :
-		grows ? 1e-10 : 1e-13);
-#else
-	/* other products are joined to sums */
 	ck_assert_double_le(worst, !s->hands[0] ? 0 : s->precision == RNEAGEN_F32 ? (grows ? 1e-3 : 2e-5) : grows ? 1e-10 : 1e-13);
-#endif
 	launched_free(&x);
 }
 
