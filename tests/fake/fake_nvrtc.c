@@ -314,9 +314,9 @@ static int refuses(int count, const char *const *options)
 int nvrtcCompileProgram(void *program, int count, const char *const *options)
 {
 	/* what lies where a device cannot read or write it ends the program, as it does there; optimised, texts are compiled for longer
-	   than they run */
-	static const char flags[] = FAKE_CXX " " FAKE_CXX_FLAG " -std=c++17 -O0 -shared -fPIC -w -pthread -fsanitize=alignment"
-						 " -fsanitize-undefined-trap-on-error";
+	   than they run; products are joined to sums where the text says so alone */
+	static const char flags[] = FAKE_CXX " " FAKE_CXX_FLAG " -std=c++17 -O0 -ffp-contract=off -shared -fPIC -w -pthread"
+						 " -fsanitize=alignment -fsanitize-undefined-trap-on-error";
 	const char *fail = getenv("RNEA_FAKE_NVRTC_FAIL");
 	char folder[] = "/tmp/fake_nvrtc_XXXXXX", command[COMMAND_LIMIT];
 	struct program *p = program;
